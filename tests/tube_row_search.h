@@ -25,8 +25,8 @@ inline Quads make_quads(const Skeleton& skeleton, MeshOptions options) {
     const Skeleton prepared = prepare(skeleton, options.prepare).skeleton;
     const bool merges = options.overlaps == Overlaps::merge && options.method == MeshMethod::quads;
     const GraftResult grafted =
-        graft_branches(prepared, options.graft, merges ? PieceEnd::joined : PieceEnd::closed, {});
-    Skeleton parted = part_branches(grafted.tubes, grafted.joins, {}).skeleton;
+        graft_branches(prepared, options.graft, merges ? SectionEnd::joined : SectionEnd::closed, {});
+    Skeleton parted = separate_branches(grafted.tubes, grafted.joins, {}).skeleton;
     QuadSurface surface = std::move(mesh_skeleton(skeleton, options).quads());
     if (options.method == MeshMethod::quads) return {std::move(surface), std::move(parted), options.levels};
     RamificationMesh made =

@@ -11,13 +11,13 @@ std::uint32_t face_at(const SurfaceTree& tree, Vec3d p) {
         return distance_squared(tree.boxes().level(level)[i], p);
     };
     tree.boxes().search(bound, best, [&](std::uint32_t item) {
-        const SurfaceTree::Piece& piece = tree.piece(item);
+        const SurfaceTree::TriangleRun& run = tree.run(item);
         const auto corner = [&](std::uint32_t v) { return Vec3d(tree.mesh().positions[v]); };
-        for (const Triangle& t : tree.triangles(piece)) {
+        for (const Triangle& t : tree.triangles(run)) {
             const double d = distance_squared(p, corner(t[0]), corner(t[1]), corner(t[2]));
             if (d >= best) continue;
             best = d;
-            face = piece.face;
+            face = run.face;
         }
     });
     return face;

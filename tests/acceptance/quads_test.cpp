@@ -118,8 +118,8 @@ TEST(Acceptance, OpenBaseHasOneHolePerTreeThatStartsWithOneBranch) {
         SCOPED_TRACE(name);
         std::uint64_t holes = 0;
         const PrepareResult prepared = prepare(skeleton, options.prepare);
-        const GraftResult grafted = graft_branches(prepared.skeleton, options.graft, PieceEnd::joined, {});
-        const PartResult parted = part_branches(grafted.tubes, grafted.joins, {});
+        const GraftResult grafted = graft_branches(prepared.skeleton, options.graft, SectionEnd::joined, {});
+        const SeparatedSkeleton parted = separate_branches(grafted.tubes, grafted.joins, {});
         for (const NodeId n : nodes(parted.skeleton)) {
             const bool is_round = std::ranges::find(parted.round_roots, n) != parted.round_roots.end();
             holes +=

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "coppice/cage/graft.h"
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/skeleton/random_tree.h"
 #include "zoo.h"
@@ -50,7 +50,7 @@ TEST(BuildControlMesh, EverySkeletonInTheZooHasOneSpherePerTree) {
 TEST(BuildControlMesh, EveryPartedSkeletonInTheZooHasOneSpherePerTree) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const PartResult parted = part_branches(skeleton, {}, {});
+        const SeparatedSkeleton parted = separate_branches(skeleton, {}, {});
         EXPECT_EQ(parted.skeleton.tree_count(), skeleton.tree_count());
         expect_spheres(build_control_mesh(parted.skeleton, parted.source, {}, {}), skeleton.tree_count());
     }
@@ -58,8 +58,8 @@ TEST(BuildControlMesh, EveryPartedSkeletonInTheZooHasOneSpherePerTree) {
 
 // Each join merges two bodies, or creates a handle.
 void expect_merged(const Skeleton& skeleton) {
-    const GraftResult grafted = graft_branches(skeleton, 0.6f, PieceEnd::joined, {});
-    const PartResult parted = part_branches(grafted.tubes, grafted.joins, {});
+    const GraftResult grafted = graft_branches(skeleton, 0.6f, SectionEnd::joined, {});
+    const SeparatedSkeleton parted = separate_branches(grafted.tubes, grafted.joins, {});
     const ControlMesh m =
         build_control_mesh(parted.skeleton, parted.source, {}, {}, parted.round_roots, parted.joins);
     const TopologyReport t = topology(m.cage);
@@ -97,7 +97,7 @@ TEST(BuildControlMesh, ACrossingHasEightVerticesOfValenceFive) {
     EXPECT_EQ(t.components, 1u);
     EXPECT_EQ(t.euler, 2);
     EXPECT_EQ(t.irregular_vertices, 8u + 4 * 4);
-    EXPECT_EQ(std::ranges::count(m.part, TubePart::fork), 2);
+    EXPECT_EQ(std::ranges::count(m.part, TubeFace::fork), 2);
 }
 
 TEST(BuildControlMesh, EveryNumberOfSidesIsClosed) {
@@ -151,7 +151,7 @@ TEST(BuildControlMesh, LateralStartsAtAnOpening) {
             expect_spheres(m, 1);
             EXPECT_EQ(m.cage.quads.size(), 3u * 4 + 3 + (radius < 0.05f ? 7 : 3));
             EXPECT_EQ(topology(m.cage).irregular_vertices, 4u + 3 * 4);
-            EXPECT_EQ(std::ranges::count(m.part, TubePart::fork), radius < 0.05f ? 7 : 3);
+            EXPECT_EQ(std::ranges::count(m.part, TubeFace::fork), radius < 0.05f ? 7 : 3);
         }
     }
 }
@@ -161,7 +161,7 @@ TEST(BuildControlMesh, RingsNextToAnOpeningArePerpendicularToTheStem) {
     const Skeleton s = stem_with({{0.4f, 0.3f, 0.5f}}, 0.05f);
     const ControlMesh m = compute_cage(s, {.base = BaseShape::round});
     for (std::size_t f = 0; f < m.cage.quads.size(); ++f) {
-        if (m.part[f] != TubePart::side || m.region[f] == 3) continue;
+        if (m.part[f] != TubeFace::side || m.region[f] == 3) continue;
         const Quad& q = m.cage.quads[f];
         const auto z = [&](std::size_t k) { return m.cage.positions[q[k]].z; };
         EXPECT_NEAR(z(0), z(1), 1e-6f);
@@ -175,7 +175,7 @@ TEST(BuildControlMesh, SeveralLateralsShareTheFacesOfANode) {
     const auto with = [](const std::vector<Vec3>& laterals) {
         const ControlMesh m = compute_cage(stem_with(laterals, 0.03f), {.base = BaseShape::round});
         expect_spheres(m, 1);
-        return std::ranges::count(m.part, TubePart::fork);
+        return std::ranges::count(m.part, TubeFace::fork);
     };
     EXPECT_EQ(with({{1, 0, 0}, {-1, 0, 0}}), 2 + 2 * 4);
     EXPECT_EQ(with({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}), 4 * 4);

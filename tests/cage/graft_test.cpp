@@ -49,7 +49,7 @@ void expect_sound(const Skeleton& given, const GraftResult& r) {
 TEST(GraftBranches, ClosedPieceEndsAtTheBarkAndTheRestStartsThere) {
     for (const float offset : {0.0f, 0.02f, 0.08f}) {
         const Skeleton s = loop(offset);
-        const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+        const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
         expect_sound(s, r);
         EXPECT_EQ(r.report.grafted, 1u);
         EXPECT_EQ(r.report.truncated, 1u);
@@ -69,7 +69,7 @@ TEST(GraftBranches, ClosedPieceEndsAtTheBarkAndTheRestStartsThere) {
 TEST(GraftBranches, JoinedPieceEndsAtANodeOfTheOtherBranch) {
     for (const float offset : {0.0f, 0.02f, 0.08f}) {
         const Skeleton s = loop(offset);
-        const GraftResult r = graft_branches(s, kDepth, PieceEnd::joined, {});
+        const GraftResult r = graft_branches(s, kDepth, SectionEnd::joined, {});
         expect_sound(s, r);
         EXPECT_EQ(r.report.grafted, 1u);
         EXPECT_EQ(r.report.truncated, 0u);
@@ -97,14 +97,14 @@ TEST(GraftBranches, OneOfTwoEqualBranchesContinuesThroughTheCrossing) {
             radius.push_back(0.08f - 0.01f * at);
         }
     }
-    const GraftResult r = graft_branches({parent, position, radius}, kDepth, PieceEnd::joined, {});
+    const GraftResult r = graft_branches({parent, position, radius}, kDepth, SectionEnd::joined, {});
     EXPECT_EQ(r.report.grafted, 1u);
     EXPECT_EQ(r.joins.size(), 1u);
     EXPECT_EQ(r.tubes.tree_count(), 2u);
 }
 
 TEST(GraftBranches, ResultHasNoIntersectingTubes) {
-    const GraftResult r = graft_branches(loop(0.03f), kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(loop(0.03f), kDepth, SectionEnd::closed, {});
     for (const NodeId a : nodes(r.tubes)) {
         for (const NodeId b : nodes(r.tubes)) {
             if (r.tubes.is_root(a) || r.tubes.is_root(b) || a >= b) continue;
@@ -119,7 +119,7 @@ TEST(GraftBranches, ThickBranchCutsTheThinStem) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(0), NodeId(3), NodeId(4)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 4}, {3, 0, 0}, {3, 0, 3}, {-3, 0, 3}},
                      {0.2f, 0.03f, 0.03f, 0.2f, 0.2f, 0.2f});
-    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
     expect_sound(s, r);
     EXPECT_EQ(r.report.truncated, 1u);
     for (const NodeId n : nodes(r.tubes)) {
@@ -132,7 +132,7 @@ TEST(GraftBranches, TwigThatEndsInsideABranchIsCut) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
                      {{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 2}, {0, 0, 2}},
                      {0.3f, 0.3f, 0.3f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
     expect_sound(s, r);
     EXPECT_EQ(r.report.truncated, 1u);
     EXPECT_EQ(r.report.grafted, 0u);
@@ -141,21 +141,21 @@ TEST(GraftBranches, TwigThatEndsInsideABranchIsCut) {
 
 TEST(GraftBranches, TreesWithoutDeepOverlapsAreUnchanged) {
     for (const Skeleton& s : {loop(0.13f), loop(1), Skeleton({NodeId::none()}, {{}}, {1})}) {
-        const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+        const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
         EXPECT_EQ(r.report.truncated, 0u);
         EXPECT_EQ(r.report.grafted, 0u);
         EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
         expect_sound(s, r);
     }
     const Skeleton tree = random_tree(3000, 2);
-    const GraftResult r = graft_branches(tree, kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(tree, kDepth, SectionEnd::closed, {});
     EXPECT_LT(r.report.grafted, 30u);
     expect_sound(tree, r);
 }
 
 TEST(GraftBranches, DepthZeroChangesNothing) {
     const Skeleton s = loop(0);
-    const GraftResult r = graft_branches(s, 0, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(s, 0, SectionEnd::closed, {});
     EXPECT_TRUE(std::ranges::equal(r.tubes.positions(), s.positions()));
     EXPECT_TRUE(std::ranges::equal(r.tubes.parents(), s.parents()));
 }
@@ -163,7 +163,7 @@ TEST(GraftBranches, DepthZeroChangesNothing) {
 TEST(GraftBranches, BranchesOfTwoTreesAreGrafted) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {-2, 0, 2}, {2, 0, 2}}, {0.1f, 0.1f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
     EXPECT_EQ(r.report.truncated, 1u);
     EXPECT_EQ(r.report.grafted, 1u);
     EXPECT_EQ(r.tubes.tree_count(), 2u);
@@ -178,7 +178,7 @@ TEST(GraftBranches, BranchesOfTwoTreesAreGrafted) {
 TEST(GraftBranches, TreeWithItsRootInAnotherTreeIsGrafted) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId::none(), NodeId(2)},
                      {{0, 0, 0}, {0, 0, 4}, {0.02f, 0, 2}, {2, 0, 3}}, {0.1f, 0.1f, 0.05f, 0.05f});
-    const GraftResult r = graft_branches(s, kDepth, PieceEnd::closed, {});
+    const GraftResult r = graft_branches(s, kDepth, SectionEnd::closed, {});
     EXPECT_EQ(r.tubes.tree_count(), 1u);
     EXPECT_EQ(r.report.grafted, 1u);
     for (const NodeId n : nodes(r.skeleton)) {
@@ -191,7 +191,7 @@ TEST(GraftBranches, TreeWithItsRootInAnotherTreeIsGrafted) {
 TEST(GraftBranches, EverySkeletonOfTheZooHasASoundResult) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        expect_sound(skeleton, graft_branches(skeleton, kDepth, PieceEnd::closed, {}));
+        expect_sound(skeleton, graft_branches(skeleton, kDepth, SectionEnd::closed, {}));
     }
 }
 
@@ -205,7 +205,7 @@ TEST(GraftBranches, TangledSegmentsTerminateWithASoundResult) {
         position.push_back({i % 2 == 0 ? -10.0f : 10.0f, 0, 1e-4f * static_cast<float>(i)});
     }
     const Skeleton s(parent, position, std::vector<float>(kNodes, 0.5f));
-    expect_sound(s, graft_branches(s, kDepth, PieceEnd::closed, {}));
+    expect_sound(s, graft_branches(s, kDepth, SectionEnd::closed, {}));
 }
 
 TEST(GraftBranches, IsBitIdenticalForAnyNumberOfThreads) {
@@ -213,8 +213,8 @@ TEST(GraftBranches, IsBitIdenticalForAnyNumberOfThreads) {
     Context one, seven;
     one.threads = 1;
     seven.threads = 7;
-    const GraftResult a = graft_branches(s, kDepth, PieceEnd::closed, one),
-                      b = graft_branches(s, kDepth, PieceEnd::closed, seven);
+    const GraftResult a = graft_branches(s, kDepth, SectionEnd::closed, one),
+                      b = graft_branches(s, kDepth, SectionEnd::closed, seven);
     EXPECT_TRUE(std::ranges::equal(a.tubes.positions(), b.tubes.positions()));
     EXPECT_EQ(a.tube, b.tube);
 }

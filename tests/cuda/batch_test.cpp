@@ -172,14 +172,14 @@ Made pieced_together(const QuadTask& task, std::size_t quads) {
     std::fill(out.positions.begin(), out.positions.end(), Vec3{-1, -1, -1});
     out.anchors = out.positions;
     for (std::size_t begin = 0; begin < job.cage.face_count();) {
-        const std::size_t end = QuadPiece::cut(job.clips, {begin, job.cage.face_count()}, begin + quads);
-        const QuadPiece piece(job, {begin, end});
+        const std::size_t end = QuadTile::cut(job.clips, {begin, job.cage.face_count()}, begin + quads);
+        const QuadTile tile(job, {begin, end});
         HostExecutor exec;
-        QuadStages<HostExecutor> stages(exec, piece.job());
+        QuadStages<HostExecutor> stages(exec, tile.job());
         stages.refine();
         cuda::project(stages, task.field->kernel(), upload_field(exec, *task.field));
-        piece.put(downloaded(exec, stages.positions()), out.positions);
-        piece.put(downloaded(exec, stages.anchors()), out.anchors);
+        tile.put(downloaded(exec, stages.positions()), out.positions);
+        tile.put(downloaded(exec, stages.anchors()), out.anchors);
         out.report.projected += stages.projected();
         begin = end;
     }
@@ -197,7 +197,7 @@ TEST_F(Batch, PiecesAreBitIdenticalToTheWhole) {
     }
 }
 
-TEST(QuadPiece, PiecesOfTheZooAreBitIdenticalToTheWhole) {
+TEST(QuadTile, PiecesOfTheZooAreBitIdenticalToTheWhole) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         if (skeleton.size() > 100) continue;
         for (const int levels : {0, 2}) {
@@ -219,13 +219,13 @@ TEST_F(Batch, SplitsAJobThatDoesNotFitIntoMemory) {
     HostExecutor exec({}, kSlackBytes + field + bytes_of_job(task.job) / 3);
     QuadRun<HostExecutor> run(exec);
     run.begin({&task, 1});
-    const Made pieces = finish(run, 1).front();
+    const Made tiles = finish(run, 1).front();
     EXPECT_GE(run.round_count(), 4u);
     EXPECT_LE(run.round_count(), 16u);
-    EXPECT_FALSE(pieces.report.is_whole);
-    EXPECT_EQ(pieces.report.untangled, UntangleReport{});
+    EXPECT_FALSE(tiles.report.is_whole);
+    EXPECT_EQ(tiles.report.untangled, UntangleReport{});
     task.job.untangle.passes = 0;
-    expect_same_bits(make_all({&task, 1}).front(), pieces);
+    expect_same_bits(make_all({&task, 1}).front(), tiles);
 }
 
 TEST_F(Batch, ReportsTheFreeMemoryIfItDoesNotSuffice) {
@@ -260,18 +260,18 @@ TEST_F(Batch, UsesNoMoreMemoryThanEstimated) {
     }
 }
 
-TEST(QuadPiece, DoesNotSplitAFlatEnd) {
+TEST(QuadTile, DoesNotSplitAFlatEnd) {
     std::vector<ClipPlane> clips(2);
     clips[0].first_quad = 3;
     clips[0].quad_count = 4;  // [3, 7)
     clips[1].first_quad = 8;
     clips[1].quad_count = 4;  // [8, 12)
-    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 2), 2u);
-    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 5), 3u);
-    EXPECT_EQ(QuadPiece::cut(clips, {3, 20}, 5), 7u);
-    EXPECT_EQ(QuadPiece::cut(clips, {8, 12}, 10), 12u);
-    EXPECT_EQ(QuadPiece::cut(clips, {0, 20}, 30), 20u);
-    EXPECT_EQ(QuadPiece::cut(clips, {19, 20}, 19), 20u);
+    EXPECT_EQ(QuadTile::cut(clips, {0, 20}, 2), 2u);
+    EXPECT_EQ(QuadTile::cut(clips, {0, 20}, 5), 3u);
+    EXPECT_EQ(QuadTile::cut(clips, {3, 20}, 5), 7u);
+    EXPECT_EQ(QuadTile::cut(clips, {8, 12}, 10), 12u);
+    EXPECT_EQ(QuadTile::cut(clips, {0, 20}, 30), 20u);
+    EXPECT_EQ(QuadTile::cut(clips, {19, 20}, 19), 20u);
 }
 
 TEST_F(Batch, RoundsFollowTheFreeMemory) {
@@ -289,7 +289,7 @@ TEST_F(Batch, RoundsFollowTheFreeMemory) {
     expect_range(rounds[1].jobs, 2, 3);
     expect_range(rounds[2].jobs, 3, 4);
     expect_range(rounds.back().jobs, 4, 5);
-    for (const BatchRound& r : rounds) EXPECT_EQ(r.is_piece, r.jobs.begin == 3);
+    for (const BatchRound& r : rounds) EXPECT_EQ(r.is_tile, r.jobs.begin == 3);
     const std::size_t quads = job.cage.face_count();
     expect_range(rounds[2].quads, 0, quads / 4);  // (1000 - 100) / (1.2 * 3000) = 1/4
     const auto [half, other_half] = split(rounds[2], job, 2000, 1000);

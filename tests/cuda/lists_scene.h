@@ -9,7 +9,7 @@
 
 #include "coppice/cage/cage.h"
 #include "coppice/cage/graft.h"
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 #include "coppice/cuda/lists/contact_topology.h"
 #include "coppice/field/contact_lists.h"
 #include "coppice/field/convolution_field.h"
@@ -35,8 +35,8 @@ struct Scene {
 };
 
 inline Scene wrap(const Skeleton& given, float graft = 0.6f) {
-    const GraftResult grafted = graft_branches(prepare(given).skeleton, graft, PieceEnd::closed, {});
-    PartResult parted = part_branches(grafted.tubes, {}, {});
+    const GraftResult grafted = graft_branches(prepare(given).skeleton, graft, SectionEnd::closed, {});
+    SeparatedSkeleton parted = separate_branches(grafted.tubes, {}, {});
     const std::vector<NodeId> source = composed(parted.source, grafted.source);
     ControlMesh control = build_control_mesh(parted.skeleton, source, {}, {});
     return {grafted.skeleton, std::move(parted.skeleton), composed(grafted.tube, parted.tube),

@@ -19,7 +19,7 @@
 #include "coppice/base/kernel/host_device.h"
 #include "coppice/cuda/device.h"
 
-// Padding between the members of a kernel may contain parts of an address. If the compiler cannot clear it
+// Padding between the members of a kernel may contain elements of an address. If the compiler cannot clear it
 // (clang 14), kernels are not checked.
 #if __has_builtin(__builtin_clear_padding)
 #define COPPICE_CLEARS_PADDING

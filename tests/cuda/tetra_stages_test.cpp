@@ -11,8 +11,8 @@
 #include "coppice/base/random.h"
 #include "coppice/cuda/exec/host_executor_internal.h"
 #include "coppice/cuda/tetra/march_stages_internal.h"
+#include "coppice/tetra/march/components_internal.h"
 #include "coppice/tetra/march/held_internal.h"
-#include "coppice/tetra/march/parts_internal.h"
 #include "coppice/tetra/polyhedron/polyhedron.h"
 #include "cuda/tetra_scene.h"
 #include "tetra/support.h"
@@ -36,9 +36,9 @@ void expect_same_refinement(const TetraMesh& mesh, int levels) {
     const RefinementView expected = refinement.view();
     HostExecutor exec(Context{.threads = 2});
     const cuda::DeviceRefinement found = cuda::refine(exec, mesh, levels);
-    EXPECT_TRUE(same(found.view.parts, expected.parts));
+    EXPECT_TRUE(same(found.view.elements, expected.elements));
     EXPECT_TRUE(same(found.view.shortest_at, expected.shortest_at));
-    EXPECT_EQ(found.view.first_part, expected.first_part);
+    EXPECT_EQ(found.view.first_element, expected.first_element);
     EXPECT_EQ(found.view.edge_count, expected.edge_count);
     EXPECT_EQ(found.view.vertices.first_of_kind, expected.vertices.first_of_kind);
     EXPECT_EQ(found.view.edges.first_of_kind, expected.edges.first_of_kind);

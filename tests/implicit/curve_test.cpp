@@ -40,7 +40,7 @@ TEST(Curve, PassesThroughItsPoints) {
     for (const CurveKind kind : kKinds)
         for (const bool closed : {false, true}) {
             const Curve curve(points, {.kind = kind, .closed = closed});
-            EXPECT_EQ(curve.piece_count(), closed ? 5u : 4u);
+            EXPECT_EQ(curve.span_count(), closed ? 5u : 4u);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 const Vec3d at = curve.position(curve.at_index(static_cast<double>(i)));
                 EXPECT_LT(distance(at, Vec3d(points[i])), 1e-12);

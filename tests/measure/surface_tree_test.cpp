@@ -61,8 +61,8 @@ TEST(SurfaceTree, ClosestPointMatchesExhaustiveSearch) {
                       random.uniform(3 * i + 2, -2, 2)};
         double least = 1e300;
         for (std::uint32_t f = 0; f < m.face_count(); ++f) {
-            const SurfaceTree::Piece& piece = tree.piece(f);
-            for (const Triangle& t : tree.triangles(piece)) {
+            const SurfaceTree::TriangleRun& run = tree.run(f);
+            for (const Triangle& t : tree.triangles(run)) {
                 least = std::min(least, distance_squared(p, Vec3d(m.positions[t[0]]),
                                                          Vec3d(m.positions[t[1]]), Vec3d(m.positions[t[2]])));
             }
@@ -117,7 +117,7 @@ TEST(SurfaceTree, ExcludesDegenerateTrianglesAndSplitsLargeFaces) {
     disc.add_face(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6});
     const SurfaceTree tree(disc);
     ASSERT_EQ(tree.boxes().size(), 3u);
-    EXPECT_EQ(tree.piece(0).count + tree.piece(1).count + tree.piece(2).count, 5u);
+    EXPECT_EQ(tree.run(0).count + tree.run(1).count + tree.run(2).count, 5u);
     EXPECT_DOUBLE_EQ(tree.distance({0, 0, 2}), 2);
 }
 

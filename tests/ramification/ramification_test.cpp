@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "coppice/base/random.h"
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 #include "coppice/mesh/topology.h"
 #include "coppice/skeleton/random_tree.h"
 #include "errors.h"
@@ -54,7 +54,7 @@ TEST(Ramification, ZooHasOneSpherePerTree) {
             const RamificationOptions options{.all_additional = additional,
                                               .no_connection_optimisation = additional};
             expect_spheres(make_ramification(skeleton, options).control, skeleton);
-            expect_spheres(make_ramification(part_branches(skeleton, {}, {}).skeleton, options).control,
+            expect_spheres(make_ramification(separate_branches(skeleton, {}, {}).skeleton, options).control,
                            skeleton);
         }
         const ControlOptions flat{.tips = TipShape::flat}, round{.base = BaseShape::round};
@@ -132,9 +132,9 @@ TEST(Ramification, ReportsTheTubesOfQuads) {
         std::vector<std::uint32_t> first(made.tubes.size(), 0);
         for (std::uint32_t q = 0; q < m.region.size(); ++q) {
             const std::uint32_t r = m.region[q];
-            if (m.part[q] == TubePart::side && sides[r]++ == 0) first[r] = q;
-            caps[r] += m.part[q] == TubePart::start || m.part[q] == TubePart::end ? 1 : 0;
-            forks[r] += m.part[q] == TubePart::fork ? 1 : 0;
+            if (m.part[q] == TubeFace::side && sides[r]++ == 0) first[r] = q;
+            caps[r] += m.part[q] == TubeFace::start || m.part[q] == TubeFace::end ? 1 : 0;
+            forks[r] += m.part[q] == TubeFace::fork ? 1 : 0;
         }
         for (std::size_t n = 0; n < tree.size(); ++n) {
             for (const NodeId t : made.wrapping[n]) ++wraps[t.index()];
@@ -151,7 +151,7 @@ TEST(Ramification, ReportsTheTubesOfQuads) {
             if (children != 1 || made.tubes.is_root(t)) continue;
             const std::uint32_t next = first[made.tubes.children(t)[0].index()];
             for (std::uint32_t k = 0; k < 8; ++k) {
-                EXPECT_EQ(m.part[first[i] + k], TubePart::side);
+                EXPECT_EQ(m.part[first[i] + k], TubeFace::side);
                 EXPECT_EQ(m.cage.quads[first[i] + k][1], m.cage.quads[first[i] + (k + 1) % 8][0]);
                 bool meets = false;
                 for (std::uint32_t l = 0; l < 8; ++l)

@@ -83,16 +83,16 @@ TEST(Silhouette, IntersectingBranchesContinueStraight) {
     draw(mask, {100, 300}, {250, 60}, 5);
     draw(mask, {100, 220}, {290, 180}, 5);
     const std::vector<float> distance = distance_to_outside(mask);
-    const auto pieces = find_pieces(build_graph(thinned(mask, {}), distance), mask, distance);
+    const auto sections = find_paths(build_graph(thinned(mask, {}), distance), mask, distance);
     std::vector<PicturePoint> ends;
-    for (const TracedPiece& piece : pieces)
-        if (piece.is_tip) ends.push_back(piece.points.back());
+    for (const TracedSection& section : sections)
+        if (section.is_tip) ends.push_back(section.points.back());
     ASSERT_EQ(ends.size(), 3u);
-    for (const TracedPiece& piece : pieces) {
-        if (!piece.is_tip || piece.points.back().x < 200) continue;
+    for (const TracedSection& section : sections) {
+        if (!section.is_tip || section.points.back().x < 200) continue;
         // The steep one leaves the stem below the flat one.
-        const double start = pieces[*piece.before].points.front().y;
-        EXPECT_NEAR(start, piece.points.back().y < 100 ? 295 : 220, 15);
+        const double start = sections[*section.before].points.front().y;
+        EXPECT_NEAR(start, section.points.back().y < 100 ? 295 : 220, 15);
     }
 }
 
@@ -190,15 +190,15 @@ TEST(Trace, RemovesPiecesThatExplainNothing) {
     const std::vector<SketchView> views = test::fork_drawing().views;
     Hull hull;
     hull.size = 0.01;
-    std::vector<HullPiece> pieces;
+    std::vector<HullPath> sections;
     const auto bar = [&](double x, double y) {
-        HullPiece piece{.cells = {}, .before = kNoIndex, .is_tip = true};
+        HullPath section{.cells = {}, .before = kNoIndex, .is_tip = true};
         for (int k = 0; k < 60; ++k) {
-            piece.cells.push_back(static_cast<std::uint32_t>(hull.cells.size()));
+            section.cells.push_back(static_cast<std::uint32_t>(hull.cells.size()));
             hull.cells.push_back({static_cast<int>(100 * x), static_cast<int>(100 * y), 100 + k});
             hull.clearance.push_back(0.03);
         }
-        pieces.push_back(piece);
+        sections.push_back(section);
     };
     bar(0.5, 0.5), bar(-0.5, -0.5), bar(0.5, -0.5), bar(-0.5, 0.5);
     std::vector<Mask> masks(2, Mask(400, 320));
@@ -206,7 +206,7 @@ TEST(Trace, RemovesPiecesThatExplainNothing) {
         for (const double at : {-0.5, 0.5})
             draw(masks[v], project(views[v], {at, at, 1}), project(views[v], {at, at, 1.6}), 4);
     const std::vector<SilhouetteField> fields(masks.begin(), masks.end());
-    EXPECT_EQ(explaining(hull, pieces, views, fields, masks, {}).size(), 2u);
+    EXPECT_EQ(explaining(hull, sections, views, fields, masks, {}).size(), 2u);
 }
 
 TEST(Trace, RejectsInvalidInput) {

@@ -224,8 +224,8 @@ class RandomSession : public test::SessionTest, public testing::WithParamInterfa
             const Scene before = scene;
             try {
                 if (k == state["ran"] && state["error"].is_null()) break;
-                run_piece(scene, s["text"].get<std::string>(), s["line"].get<std::uint32_t>(),
-                          state["file"] == "" ? "scene" : state["file"].get<std::string>(), {});
+                run_section(scene, s["text"].get<std::string>(), s["line"].get<std::uint32_t>(),
+                            state["file"] == "" ? "scene" : state["file"].get<std::string>(), {});
             } catch (const Error& error) {
                 failure = error.what();
                 scene = before;

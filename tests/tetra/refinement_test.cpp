@@ -205,8 +205,8 @@ TEST(TetraRefinement, PlacesPartsAndOwnersAreConsistent) {
         for (std::uint32_t t = 0; t < scene.mesh.tetra.size(); ++t) {
             const TetraPattern& pattern = refinement.pattern(t);
             for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
-                const auto kind = static_cast<Kind>(part_kind(g));
-                const std::uint32_t part = refinement.parts(t)[g];
+                const auto kind = static_cast<Kind>(element_kind(g));
+                const std::uint32_t part = refinement.elements(t)[g];
                 const auto around = refinement.around(kind, part);
                 EXPECT_TRUE(std::ranges::is_sorted(around));
                 EXPECT_EQ(std::ranges::count(around, t), 1);
@@ -220,15 +220,15 @@ TEST(TetraRefinement, PlacesPartsAndOwnersAreConsistent) {
                     EXPECT_EQ(refinement.shortest_edge(t, g), shortest);
                 }
                 if (owns) {
-                    EXPECT_TRUE(owned.insert({part_kind(g), part}).second);
+                    EXPECT_TRUE(owned.insert({element_kind(g), part}).second);
                 }
             }
             for (std::size_t v = 0; v < pattern.weights.size(); ++v) {
                 const std::uint32_t number = refinement.vertex(t, static_cast<Local>(v));
                 const auto place = refinement.place(number);
                 const std::uint32_t g = pattern.group[v];
-                EXPECT_EQ(static_cast<std::uint32_t>(place.kind), part_kind(g));
-                EXPECT_EQ(place.part, g == TetraPattern::kInside ? t : refinement.parts(t)[g]);
+                EXPECT_EQ(static_cast<std::uint32_t>(place.kind), element_kind(g));
+                EXPECT_EQ(place.part, g == TetraPattern::kInside ? t : refinement.elements(t)[g]);
                 EXPECT_EQ(pattern.first_vertex[g] + place.index, v);
                 if ((refinement.owned(t) >> g & 1) != 0) ++sampled[number];
             }
@@ -265,7 +265,7 @@ TEST(TetraRefinement, ViewContainsEveryFineEdgeOnce) {
                     numbers.insert(number);
                     const FinePlace place = view.edges.place(number);
                     const std::uint32_t g = pattern.edge_group[e];
-                    ASSERT_EQ(static_cast<std::uint32_t>(place.kind), part_kind(g));
+                    ASSERT_EQ(static_cast<std::uint32_t>(place.kind), element_kind(g));
                     ASSERT_EQ(pattern.first_edge[g] + place.index, e);
                 }
             }
@@ -332,7 +332,7 @@ TEST(TetraRefinement, IsBitIdenticalForAnyNumberOfThreads) {
         const TetraRefinement r(mesh, 2, ctx);
         std::vector<std::uint32_t> out{r.edge_count(), r.face_count(), r.vertex_count()};
         for (std::uint32_t t = 0; t < mesh.tetra.size(); ++t) {
-            out.insert(out.end(), r.parts(t).begin(), r.parts(t).end());
+            out.insert(out.end(), r.elements(t).begin(), r.elements(t).end());
             out.insert(out.end(), {r.owned(t), r.mirrored(t)});
             for (std::uint32_t g = 0; g < TetraPattern::kGroups; ++g)
                 out.push_back(std::bit_cast<std::uint32_t>(r.shortest_edge(t, g)));

@@ -26,7 +26,7 @@ struct CheckFlags {
     ReadPointsOptions read_points;
 };
 
-std::string torn_off(const TreePartsReport& parts, const CheckFlags& flags) {
+std::string torn_off(const TreeComponentsReport& parts, const CheckFlags& flags) {
     return fmt::format(
         "'{}' has {} components, {} too many for the trees of '{}' ({}); the largest is torn off at node {}",
         flags.mesh.string(), grouped(parts.parts), grouped(parts.loose), flags.skeleton.string(),

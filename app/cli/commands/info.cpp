@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "command.h"
-#include "coppice/extract/stem/loose_parts.h"
+#include "coppice/extract/stem/loose_components.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/extract/stem/tree_figures.h"
 #include "coppice/mesh/shape.h"
@@ -213,7 +213,7 @@ struct FileTrees {
     std::vector<TreeFigures> figures;  ///< with bounds if the file comes from an extraction
 };
 
-FileTrees make_trees(const SkeletonFile& file, const LooseParts& parts) {
+FileTrees make_trees(const SkeletonFile& file, const LooseComponents& parts) {
     Skeleton s = extract_parts(file.skeleton, parts.trees);
     std::vector<TreeFigures> figures =
         tree_figures(s, node_confidence(kept_attributes(file.attributes, file.skeleton, s)));
@@ -257,7 +257,7 @@ std::vector<Json> describe_trees(const FileTrees& trees, const TimberFlags& flag
 }
 
 /// Adds the loose components of a skeleton, if any.
-void add_loose_parts(Json& out, const LooseParts& parts) {
+void add_loose_components(Json& out, const LooseComponents& parts) {
     if (parts.loose.empty()) return;
     out["loose_parts"] = parts.loose.size();
     out["loose_length_percent"] = 100 * parts.share;
@@ -289,9 +289,9 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
                             flags.file.string(), name_of(file.units)));
         }
         text = run.stage("measure", [&](const Context& ctx) {
-            const LooseParts parts = find_loose_parts(file.skeleton);
+            const LooseComponents parts = find_loose_components(file.skeleton);
             Json figures = describe(file, ctx);
-            add_loose_parts(figures, parts);
+            add_loose_components(figures, parts);
             return forestry(std::move(figures), describe_trees(make_trees(file, parts), flags.timber),
                             flags.json);
         });
@@ -330,7 +330,7 @@ ExitCode info(Run& run, const InfoFlags& flags) {
         figures = run.stage("measure", [&](const Context& ctx) {
             Json out = describe(file, ctx);
             if (file.units == LengthUnit::m)
-                add_doubts(out, make_trees(file, find_loose_parts(file.skeleton)).figures);
+                add_doubts(out, make_trees(file, find_loose_components(file.skeleton)).figures);
             return out;
         });
     } else if (kind == FileKind::points) {

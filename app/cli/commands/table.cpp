@@ -8,7 +8,7 @@
 #include "architecture_options.h"
 #include "command.h"
 #include "coppice/extract/plot/crown.h"
-#include "coppice/extract/stem/loose_parts.h"
+#include "coppice/extract/stem/loose_components.h"
 #include "coppice/extract/stem/stem_form.h"
 #include "coppice/io_skeleton/stated_axes.h"
 #include "coppice/mesh/shape.h"
@@ -58,7 +58,7 @@ void add_forestry(Json& row, const StemForm& form, const Crown& crown, double ba
 
 /// Adds the crown of a single tree, ignoring loose components.
 void add_crown(Json& row, const Skeleton& whole) {
-    const LooseParts parts = find_loose_parts(whole);
+    const LooseComponents parts = find_loose_components(whole);
     row["loose_parts"] = parts.loose.size();
     row["loose_length_percent"] = 100 * parts.share;
     if (parts.trees.size() != 1) return;  // only a single tree has a crown

@@ -63,7 +63,7 @@ struct WriteCoarse {
     ExplicitTetra to;
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
-        const TetraParts& p = from.view.parts[t];
+        const TetraElements& p = from.view.elements[t];
         const TetraTraits& traits = from.view.traits[t];
         const std::uint32_t region = from.region[t];
         ExplicitTetra::Cell cell{{p[0], p[1], p[2], p[3]},
@@ -82,7 +82,7 @@ struct WriteCoarse {
     }
 
   private:
-    COPPICE_HOST_DEVICE void write_part(const TetraParts& p, std::uint32_t group,
+    COPPICE_HOST_DEVICE void write_part(const TetraElements& p, std::uint32_t group,
                                         std::uint32_t region) const {
         const auto edge = [&](std::uint32_t a, std::uint32_t b) { return p[3 + a + b + (a > 0 ? 1 : 0)]; };
         if (group < 4) {
@@ -120,7 +120,7 @@ struct KeepVertices {
     }
 };
 
-/// Creates the four parts of every face, and the three edges between them; one thread per face.
+/// Creates the four elements of every face, and the three edges between them; one thread per face.
 struct SubdivideFaces {
     ExplicitTetra coarse, fine;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t f) const {
@@ -145,10 +145,10 @@ struct SubdivideFaces {
     }
 };
 
-/// Creates the eight parts of a tetrahedron: four at its corners, and four of the octahedron between them,
+/// Creates the eight elements of a tetrahedron: four at its corners, and four of the octahedron between them,
 /// cut along the shortest of its diagonals. One thread per part, unlike the paper's one per tetrahedron, so
-/// that adjacent threads write adjacent elements. The parts are those of the paper, except that all have the
-/// orientation of the tetrahedron.
+/// that adjacent threads write adjacent elements. The elements are those of the paper, except that all have
+/// the orientation of the tetrahedron.
 ///
 /// A vertex of a part is identified by the corners between which it is, as bits: one for a corner, two for a
 /// midpoint.

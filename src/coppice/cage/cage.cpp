@@ -242,7 +242,7 @@ class CageBuilder {
         out_.cage.positions[v] = position;
         out_.anchors[v] = anchor;
     }
-    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind, TubePart part) {
+    void set_quad(std::uint32_t q, const Ring& corners, NodeId region, QuadKind kind, TubeFace part) {
         out_.cage.quads[q] = corners;
         out_.part[q] = part;
         kind_[q] = kind;
@@ -282,7 +282,7 @@ class CageBuilder {
         };
         const std::uint32_t first_quad = at(n).first_quad + (s_.is_root(n) ? 0 : 4);
         for (std::uint32_t q = 0; q < hub.quads.size(); ++q)
-            set_quad(first_quad + q, shifted(hub.quads[q]), n, QuadKind::face, TubePart::fork);
+            set_quad(first_quad + q, shifted(hub.quads[q]), n, QuadKind::face, TubeFace::fork);
         std::vector<Ring> cells;
         for (const Ring& cell : hub.cell) cells.push_back(shifted(cell));
         begin_branches(n, cells);
@@ -308,7 +308,7 @@ class CageBuilder {
         for (std::uint32_t k = 0; k < 6; ++k) {
             Ring face = kCube[k];
             for (auto& corner : face) corner += v;
-            set_quad(at(n).first_quad + k, face, n, QuadKind::face, TubePart::end);
+            set_quad(at(n).first_quad + k, face, n, QuadKind::face, TubeFace::end);
         }
     }
 
@@ -388,7 +388,7 @@ class CageBuilder {
         std::rotate(ring.begin(), ring.begin() + shift, ring.end());
     }
 
-    TubePart cap_part(NodeId end) const { return s_.is_root(end) ? TubePart::start : TubePart::end; }
+    TubeFace cap_part(NodeId end) const { return s_.is_root(end) ? TubeFace::start : TubeFace::end; }
     std::uint32_t first_cap_quad(NodeId end) { return at(end).first_quad + (s_.is_root(end) ? 0 : 4); }
 
     // Creates the end of a tube at a tip or base, with make_ring(n) as its last ring. The frame points
@@ -434,7 +434,7 @@ class CageBuilder {
             for (std::uint32_t k = 0; k < 4; ++k) {
                 const std::uint32_t next = (k + 1) % 4;
                 set_quad(at(n).first_quad + k, {p[k], p[next], q[next], q[k]}, n, QuadKind::tube,
-                         TubePart::side);
+                         TubeFace::side);
             }
         });
     }

@@ -30,7 +30,7 @@ class Search {
         if (s_.is_root(a) || s_.is_root(b)) return;
         if (axes_.rank(a) < axes_.rank(b)) std::swap(a, b);
         const Segment own = s_.segment(a);
-        const Part parent{s_.segment(b)};
+        const SegmentRange parent{s_.segment(b)};
         if (axes_.find_axis(a) == axes_.find_axis(b)) {
             const float way = axes_.arc(a) - axes_.arc(b) - distance(own.a, own.b);
             if (way < kNeighbours * (max_radius(own) + max_radius(parent.segment))) return;
@@ -42,7 +42,7 @@ class Search {
   private:
     // Returns whether a lateral is outside a branch that meets its beginning before it has passed that
     // branch's end.
-    bool is_ordinary(NodeId a, NodeId b, const Segment& own, const Part& parent) const {
+    bool is_ordinary(NodeId a, NodeId b, const Segment& own, const SegmentRange& parent) const {
         const NodeId base = s_.parent(a);
         if (!axes_.is_first(a) || (b != base && s_.parent(b) != base)) return false;
         const float gap = kClear * own.radius_b;
@@ -60,7 +60,7 @@ class Search {
 
 }  // namespace
 
-Clearance Enclosure::clearance(const Part& parent, const Segment& own, float at) const {
+Clearance Enclosure::clearance(const SegmentRange& parent, const Segment& own, float at) const {
     const auto cone = round_cone<float>(parent.segment), own_cone = round_cone<float>(own);
     const Vec3 p = own_cone.point(at);
     const auto closest = cone.closest_point_at(std::clamp(cone.line_parameter(p), parent.from, parent.to), p);
@@ -68,14 +68,14 @@ Clearance Enclosure::clearance(const Part& parent, const Segment& own, float at)
             closest.offset};
 }
 
-float nearest_parameter(const Segment& own, const Part& parent) {
+float nearest_parameter(const Segment& own, const SegmentRange& parent) {
     const auto cone = round_cone<float>(parent.segment);
     return static_cast<float>(closest_parameters(Vec3d(own.a), Vec3d(own.b), Vec3d(cone.point(parent.from)),
                                                  Vec3d(cone.point(parent.to)))
                                   .on_a);
 }
 
-float Enclosure::exit(const Part& parent, const Segment& own, float in, float out, float gap) const {
+float Enclosure::exit(const SegmentRange& parent, const Segment& own, float in, float out, float gap) const {
     for (int i = 0; i < kBisections; ++i) {
         const float middle = 0.5f * (in + out);
         (clearance(parent, own, middle).gap < gap ? in : out) = middle;

@@ -15,7 +15,7 @@ struct Crossing {
 };
 
 /// The section [from, to] of a segment, from the end at the parent.
-struct Part {
+struct SegmentRange {
     Segment segment;
     float from = 0, to = 1;
 };
@@ -34,19 +34,19 @@ class Enclosure {
     explicit Enclosure(float share_of_sum) : share_(share_of_sum) {}
 
     float min_distance(float parent, float own) const { return std::max(parent, share_ * (parent + own)); }
-    Clearance clearance(const Part& parent, const Segment& own, float at) const;
+    Clearance clearance(const SegmentRange& parent, const Segment& own, float at) const;
 
     /// Returns the parameter, between `in` and `out`, at which a segment has left a parent branch by a gap.
     /// The distance to a segment is convex, so that there is one such position on each side of the closest
     /// point.
-    float exit(const Part& parent, const Segment& own, float in, float out, float gap = 0) const;
+    float exit(const SegmentRange& parent, const Segment& own, float in, float out, float gap = 0) const;
 
   private:
     float share_;
 };
 
 /// Returns the parameter at which a segment is closest to a parent branch.
-float nearest_parameter(const Segment& own, const Part& parent);
+float nearest_parameter(const Segment& own, const SegmentRange& parent);
 
 /// [radii of the inner branch] Gap beyond which a branch has left another one, including its surface.
 inline constexpr float kClear = 0.8f;

@@ -84,10 +84,10 @@ NodeId in_tree_before(const CutSkeleton& cut, const GraftNode& n) {
     return parent.joined ? cut.at(parent.parent).in_tree : parent.in_tree;
 }
 
-void attach_pieces(const Grafts& g, CutSkeleton& cut) {
+void attach_sections(const Grafts& g, CutSkeleton& cut) {
     for (const std::uint32_t plan : g.plan.of_axis) {
         if (plan == kNoIndex) continue;
-        for (const VisiblePiece& p : g.plan.plans[plan].pieces) {
+        for (const VisibleSection& p : g.plan.plans[plan].sections) {
             if (p.start != kNoIndex) cut.at(cut.of_place[p.start]).attached = cut.of_place[p.attach];
             if (p.join != kNoIndex) cut.at(cut.of_place[p.end]).joined = cut.of_place[p.join];
         }
@@ -176,7 +176,7 @@ std::vector<NodeId> tubes_of_segments(const Grafts& g, const CutSkeleton& cut, s
         }
         const std::uint32_t axis = g.axes.axes.find_axis(n.segment);
         const float middle = compute_middle(g, cut, n);
-        if (const VisiblePiece* ended = g.plan.plans[g.plan.of_axis[axis]].piece_ended_before(middle)) {
+        if (const VisibleSection* ended = g.plan.plans[g.plan.of_axis[axis]].section_ended_before(middle)) {
             if (ended->join != kNoIndex) tube[i] = id[cut.at(cut.of_place[ended->end]).in_tree.index()];
             continue;
         }
@@ -232,7 +232,7 @@ GraftResult number_tubes(const Grafts& g, const CutSkeleton& cut) {
 
 }  // namespace
 
-GraftResult graft_branches(const Skeleton& skeleton, float depth, PieceEnd end, const Context& ctx) {
+GraftResult graft_branches(const Skeleton& skeleton, float depth, SectionEnd end, const Context& ctx) {
     if (!(depth > 0) || skeleton.size() <= 2) {
         std::vector<NodeId> same;
         for (const NodeId n : nodes(skeleton)) same.push_back(n);
@@ -244,7 +244,7 @@ GraftResult graft_branches(const Skeleton& skeleton, float depth, PieceEnd end, 
     const GraftPlan plan = plan_grafts(axes, enclosure, end, ctx);
     const Grafts grafts{axes, enclosure, plan};
     CutSkeleton cut = cut_skeleton(axes, plan.cuts);
-    attach_pieces(grafts, cut);
+    attach_sections(grafts, cut);
     return number_tubes(grafts, cut);
 }
 

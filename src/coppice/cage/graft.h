@@ -10,7 +10,7 @@
 namespace coppice {
 
 /// End of a section of a branch that enters another branch.
-enum class PieceEnd {
+enum class SectionEnd {
     closed,  ///< it ends at the bark
     joined,  ///< it ends in a node of the other branch, and both are one body
 };
@@ -59,6 +59,6 @@ struct GraftResult {
 /// section that leaves another tree begins there, and a tree with its root inside another tree becomes a
 /// branch of it. Radii and positions of branches do not change; laterals that leave their own parent in the
 /// regular way are unchanged. O(n log n) for the search unless most boxes of segments overlap.
-GraftResult graft_branches(const Skeleton& skeleton, float depth, PieceEnd end, const Context& ctx);
+GraftResult graft_branches(const Skeleton& skeleton, float depth, SectionEnd end, const Context& ctx);
 
 }  // namespace coppice

@@ -32,7 +32,7 @@ constexpr std::uint32_t kAxesPerLook = 1024;  // number of axes between checks f
 struct Input {
     const AxisGeometry& axes;
     const Enclosure& enclosure;
-    PieceEnd end;
+    SectionEnd end;
     const Skeleton& skeleton() const { return axes.skeleton; }
 };
 
@@ -42,7 +42,7 @@ bool is_enclosed(const GraftPlan& plan, NodeId n) {
     return static_cast<bool>(plan.enclosed_at[n.index()].segment);
 }
 
-Part visible_part(const Skeleton& s, const GraftPlan& plan, NodeId n) {
+SegmentRange visible_part(const Skeleton& s, const GraftPlan& plan, NodeId n) {
     const auto [from, to] = plan.visible[n.index()];
     return {s.segment(n), from, to};
 }
@@ -54,7 +54,7 @@ void find_enclosed(const Input& in, const GraftPlan& plan, NodeId n, NodeId pare
     if (plan.visible[parent_node.index()].empty()) return;
     const Enclosure& enclosure = in.enclosure;
     const Segment own = in.skeleton().segment(n);
-    const Part parent = visible_part(in.skeleton(), plan, parent_node);
+    const SegmentRange parent = visible_part(in.skeleton(), plan, parent_node);
     const float nearest = nearest_parameter(own, parent);
     if (enclosure.clearance(parent, own, nearest).gap >= 0) return;
     const float clear = kClear * own.radius_b;
@@ -97,7 +97,7 @@ float radius_on(const Input& in, Chain chain, float arc) { return in.axes.radius
 // Returns the position of the last ring of a section: at the bark, or clear of a branch that it joins.
 float find_end_ahead(const Input& in, const EnclosedInterval& interval, float radius) {
     const float parent = in.axes.radius({interval.parent, interval.parent_t});
-    const float ahead = in.end == PieceEnd::joined
+    const float ahead = in.end == SectionEnd::joined
                             ? kClear * radius
                             : parent + kEndAhead * radius - in.enclosure.min_distance(parent, radius);
     return interval.from - std::max(0.0f, ahead) / std::max(interval.approach, kFlattest);
@@ -106,7 +106,7 @@ float find_end_ahead(const Input& in, const EnclosedInterval& interval, float ra
 // Returns the position of the last ring of a section that begins at an arc length.
 float last_ring(const Input& in, Chain chain, float from, const EnclosedInterval& next, float radius) {
     const float to = snapped(in, chain, find_end_ahead(in, next, radius));
-    return in.end == PieceEnd::joined ? std::max(to, from) : to;
+    return in.end == SectionEnd::joined ? std::max(to, from) : to;
 }
 
 // Moves a point along the axis, within its visible sections of lower rank than the given one.
@@ -168,14 +168,14 @@ std::uint32_t join_place(const Input& in, GraftPlan& plan, Chain chain, const En
 // the end of its axis.
 float tip_shown(const Input& in, const GraftPlan& plan, Chain chain, const EnclosedInterval& last) {
     const Segment own = in.skeleton().segment(chain.back());
-    const Part parent = visible_part(in.skeleton(), plan, last.parent);
+    const SegmentRange parent = visible_part(in.skeleton(), plan, last.parent);
     return in.enclosure.clearance(parent, own, 1).gap / own.radius_b + 1;
 }
 
 // Returns the sections between the intervals that are long enough.
-std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
-                                 std::span<const EnclosedInterval> enclosed) {
-    std::vector<VisiblePiece> pieces;
+std::vector<VisibleSection> divide(const Input& in, GraftPlan& plan, Chain chain,
+                                   std::span<const EnclosedInterval> enclosed) {
+    std::vector<VisibleSection> sections;
     const float end = in.axes.axes.arc(chain.back());
     float from = 0;
     const EnclosedInterval* left = nullptr;  // that the section leaves
@@ -194,22 +194,22 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
             is_tip && left && end - from < kMinTip * r && tip_shown(in, plan, chain, *left) >= kTipShown;
         if (is_ball) {
             from = std::max(end - kTipAxis * r, 0.5f * (left->from + end));
-            if (!pieces.empty()) pieces.back().resume = std::min(pieces.back().resume, from);
+            if (!sections.empty()) sections.back().resume = std::min(sections.back().resume, from);
         }
         from = snapped(in, chain, from);
         const float to = is_tip ? end : last_ring(in, chain, from, *next, r);
         const bool is_whole = is_tip && !left && !is_enclosed(plan, in.skeleton().parent(chain[0]));
-        const float shown = in.end == PieceEnd::joined && !is_tip ? next->from - from : to - from;
+        const float shown = in.end == SectionEnd::joined && !is_tip ? next->from - from : to - from;
         if (is_whole || is_ball || shown >= (is_tip ? kMinTip : kMinShown) * r) {
             const std::uint32_t attach = attachment(in, plan, chain, from, left);
-            pieces.push_back({attach == kNoIndex ? 0 : from, to, attach});
+            sections.push_back({attach == kNoIndex ? 0 : from, to, attach});
             if (!is_tip) {
-                VisiblePiece& piece = pieces.back();
-                piece.resume = std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
-                if (in.end == PieceEnd::joined) {
+                VisibleSection& section = sections.back();
+                section.resume = std::min(next->to, next->from + r / std::max(next->approach, kFlattest));
+                if (in.end == SectionEnd::joined) {
                     // The next section may begin where this one has left.
-                    piece.resume = std::min(piece.resume, 0.5f * (next->from + next->to));
-                    if (piece.resume > to) piece.join = join_place(in, plan, chain, *next);
+                    section.resume = std::min(section.resume, 0.5f * (next->from + next->to));
+                    if (section.resume > to) section.join = join_place(in, plan, chain, *next);
                 }
                 ++plan.report.truncated;
             }
@@ -218,7 +218,7 @@ std::vector<VisiblePiece> divide(const Input& in, GraftPlan& plan, Chain chain,
         from = next->to;
         left = &*next++;
     }
-    return pieces;
+    return sections;
 }
 
 // ---- results for the nodes
@@ -230,17 +230,17 @@ std::uint32_t place_at(const Input& in, GraftPlan& plan, Chain chain, float arc)
 }
 
 // Cuts the axis where a section begins and ends, and records the visible range of each segment.
-void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisiblePiece& piece) {
-    if (piece.attach != kNoIndex) piece.start = place_at(in, plan, chain, piece.from);
-    const std::uint32_t last = place_at(in, plan, chain, piece.to);
-    if (piece.resume > piece.to) piece.end = place_at(in, plan, chain, piece.resume);
-    if (piece.end == last) piece.join = kNoIndex;
-    for (auto n = in.axes.first_node_at(chain, piece.from); n != chain.end() && in.axes.start(*n) < piece.to;
-         ++n) {
+void mark_visible(const Input& in, GraftPlan& plan, Chain chain, VisibleSection& section) {
+    if (section.attach != kNoIndex) section.start = place_at(in, plan, chain, section.from);
+    const std::uint32_t last = place_at(in, plan, chain, section.to);
+    if (section.resume > section.to) section.end = place_at(in, plan, chain, section.resume);
+    if (section.end == last) section.join = kNoIndex;
+    for (auto n = in.axes.first_node_at(chain, section.from);
+         n != chain.end() && in.axes.start(*n) < section.to; ++n) {
         const float start = in.axes.start(*n), size = std::max(in.axes.axes.arc(*n) - start, 1e-30f);
         auto& [from, to] = plan.visible[n->index()];
-        from = std::min(from, std::max(0.0f, (piece.from - start) / size));
-        to = std::max(to, std::min(1.0f, (piece.to - start) / size));
+        from = std::min(from, std::max(0.0f, (section.from - start) / size));
+        to = std::max(to, std::min(1.0f, (section.to - start) / size));
     }
 }
 
@@ -250,9 +250,9 @@ void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>&
     plan.of_axis[axis] = static_cast<std::uint32_t>(plan.plans.size());
     plan.plans.emplace_back().enclosed = enclosed_intervals(in, plan, crossings, chain);
     AxisPlan& own = plan.plans.back();
-    own.pieces = divide(in, plan, chain, own.enclosed);
+    own.sections = divide(in, plan, chain, own.enclosed);
     for (const NodeId n : chain) plan.visible[n.index()] = {1.0f, 0.0f};
-    for (VisiblePiece& piece : own.pieces) mark_visible(in, plan, chain, piece);
+    for (VisibleSection& section : own.sections) mark_visible(in, plan, chain, section);
     for (const NodeId n : chain) {
         const float arc = in.axes.axes.arc(n);
         if (own.is_visible(arc)) continue;
@@ -263,20 +263,20 @@ void plan_axis(const Input& in, GraftPlan& plan, const CompressedRows<Crossing>&
 
 }  // namespace
 
-const VisiblePiece* AxisPlan::last_piece_before(float arc) const {
-    const auto after = std::upper_bound(pieces.begin(), pieces.end(), arc,
-                                        [](float a, const VisiblePiece& p) { return a < p.from; });
-    return after == pieces.begin() ? nullptr : &*std::prev(after);
+const VisibleSection* AxisPlan::last_section_before(float arc) const {
+    const auto after = std::upper_bound(sections.begin(), sections.end(), arc,
+                                        [](float a, const VisibleSection& p) { return a < p.from; });
+    return after == sections.begin() ? nullptr : &*std::prev(after);
 }
 
 bool AxisPlan::is_visible(float arc) const {
-    const VisiblePiece* const piece = last_piece_before(arc);
-    return piece && arc <= piece->to;
+    const VisibleSection* const section = last_section_before(arc);
+    return section && arc <= section->to;
 }
 
-const VisiblePiece* AxisPlan::piece_ended_before(float arc) const {
-    const VisiblePiece* const piece = last_piece_before(arc);
-    return piece && piece->to <= arc && arc <= piece->resume ? piece : nullptr;
+const VisibleSection* AxisPlan::section_ended_before(float arc) const {
+    const VisibleSection* const section = last_section_before(arc);
+    return section && section->to <= arc && arc <= section->resume ? section : nullptr;
 }
 
 AxisPoint parent_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,
@@ -292,11 +292,11 @@ AxisPoint parent_at(const AxisGeometry& axes, const Enclosure& enclosure, const 
     const NodeId parent =
         std::min_element(first, last, [&](const auto& a, const auto& b) { return off(a) < off(b); })->parent;
     const AxisPoint own = axes.at(chain, arc);
-    const Part part = visible_part(axes.skeleton, plan, parent);
+    const SegmentRange part = visible_part(axes.skeleton, plan, parent);
     return {parent, enclosure.clearance(part, axes.skeleton.segment(own.segment), own.t).t};
 }
 
-GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end,
+GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, SectionEnd end,
                       const Context& ctx) {
     const Input in{axes, enclosure, end};
     const Skeleton& s = axes.skeleton;

@@ -20,7 +20,7 @@ struct EnclosedInterval {
 };
 
 /// A section of an axis that gets a tube.
-struct VisiblePiece {
+struct VisibleSection {
     float from, to;                   ///< [m] along the axis
     std::uint32_t attach = kNoIndex;  ///< place at which it begins; none: the beginning of the axis
     std::uint32_t start = kNoIndex;   ///< place of `from`, if attached
@@ -33,16 +33,16 @@ struct VisiblePiece {
 
 struct AxisPlan {
     std::vector<EnclosedInterval> enclosed;
-    std::vector<VisiblePiece> pieces;
+    std::vector<VisibleSection> sections;
 
     /// Returns whether a tube contains the axis at an arc length.
     bool is_visible(float arc) const;
     /// Returns the section that ends before an arc length within the short gap after it; nullptr if there is
     /// none.
-    const VisiblePiece* piece_ended_before(float arc) const;
+    const VisibleSection* section_ended_before(float arc) const;
 
   private:
-    const VisiblePiece* last_piece_before(float arc) const;
+    const VisibleSection* last_section_before(float arc) const;
 };
 
 /// The sections of axes that get tubes, and the places at which these begin.
@@ -56,7 +56,8 @@ struct GraftPlan {
 };
 
 /// Plans axis by axis, in their order: thick before thin.
-GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, PieceEnd end, const Context& ctx);
+GraftPlan plan_grafts(const AxisGeometry& axes, const Enclosure& enclosure, SectionEnd end,
+                      const Context& ctx);
 
 /// Returns the closest point of the branch that encloses a point of an axis; no segment if there is none.
 AxisPoint parent_at(const AxisGeometry& axes, const Enclosure& enclosure, const GraftPlan& plan,

@@ -57,7 +57,7 @@ void double_sides(ControlMesh& mesh, std::vector<QuadKind>& kind) {
     Buffer<Quad> quads;
     std::vector<QuadKind> kinds;
     std::vector<std::uint32_t> region;
-    std::vector<TubePart> part;
+    std::vector<TubeFace> part;
     std::vector<std::uint32_t> first_of{0};  // new quads, by old quad
     for (std::size_t f = 0; f < kind.size(); ++f) {
         const Quad q = mesh.cage.quads[f];

@@ -39,7 +39,7 @@ class Surroundings {
         double sum = 0;
         for (const double part : kProbes) {
             const Vec3d probe = place + way * part;
-            for (const Part& s : segments_) {
+            for (const Ray& s : segments_) {
                 const double near = distance_to(probe, s), end = distance(probe, s.from + s.way);
                 sum += length(s.way) * (weight(near) + weight(end));
             }
@@ -48,14 +48,14 @@ class Surroundings {
     }
 
   private:
-    struct Part {
+    struct Ray {
         Vec3d from, way;
     };
-    static double distance_to(Vec3d p, const Part& s) {
+    static double distance_to(Vec3d p, const Ray& s) {
         return distance(p, s.from + s.way * closest_parameter(p, s.from, s.way));
     }
 
-    std::vector<Part> segments_;
+    std::vector<Ray> segments_;
 };
 
 /// Returns the direction with the original inclination towards the side with the most free space; on ties,

@@ -60,7 +60,7 @@ class Chunk {
 };
 
 /// Range of the progress that one section of a file covers.
-struct ProgressPart {
+struct ProgressRange {
     float begin = 0;
     float end = 1;
 };
@@ -68,7 +68,7 @@ struct ProgressPart {
 /// Writes items 0 .. count: fill(i, chunk) appends item i. Runs of items of a fixed size are formatted in
 /// parallel, a few at a time, and written in order.
 template <class Fill>
-void write_items(AtomicFile& file, std::size_t count, ProgressPart part, const Context& ctx,
+void write_items(AtomicFile& file, std::size_t count, ProgressRange part, const Context& ctx,
                  const Fill& fill) {
     constexpr std::size_t kRun = 8192;
     constexpr std::size_t kRunsAtOnce = 32;

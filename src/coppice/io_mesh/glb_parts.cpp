@@ -77,14 +77,14 @@ void write_glb_head(AtomicFile& file, std::string text, std::uint64_t buffer_byt
     words(u32(buffer_bytes), 0x004E4942u);
 }
 
-void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressPart part, const Context& ctx) {
+void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRange part, const Context& ctx) {
     write_items(file, vectors.size(), part, ctx, [&](std::size_t v, Chunk& chunk) {
         chunk.reserve(sizeof(Vec3));
         chunk.put_raw(y_up(vectors[v]));
     });
 }
 
-void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressPart part, const Context& ctx) {
+void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx) {
     write_items(file, mesh.face_count, part, ctx, [&](std::size_t f, Chunk& chunk) {
         chunk.reserve(sizeof(Triangle) * (mesh.face(f).size() - 2));
         for_each_triangle(mesh, f, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {

@@ -51,7 +51,7 @@ nlohmann::json describe_tree(const MeshView& mesh, nlohmann::json primitive, Glb
 /// large.
 void write_glb_head(AtomicFile& file, std::string json, std::uint64_t buffer_bytes);
 
-void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressPart part, const Context& ctx);
-void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressPart part, const Context& ctx);
+void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRange part, const Context& ctx);
+void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -50,7 +50,7 @@ class Base64 {
 /// Writes a VTU array: its size in bytes, then the items; three items are a whole number of base64 groups.
 template <class Put>
 void write_array(AtomicFile& file, std::string_view attributes, std::size_t count, std::size_t item_bytes,
-                 ProgressPart part, const Context& ctx, const Put& put) {
+                 ProgressRange part, const Context& ctx, const Put& put) {
     file.write(fmt::format("<DataArray {} format=\"binary\">", attributes));
     Chunk header;
     header.reserve(64);

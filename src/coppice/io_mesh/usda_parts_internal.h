@@ -11,7 +11,7 @@ namespace coppice::io_internal {
 
 /// Writes [item, item, ...] with regular line breaks, which the USD parser allows and editors need.
 template <class Put>
-void write_list(AtomicFile& file, std::size_t count, ProgressPart part, const Context& ctx, const Put& put) {
+void write_list(AtomicFile& file, std::size_t count, ProgressRange part, const Context& ctx, const Put& put) {
     file.write("[");
     write_items(file, count, part, ctx, [&](std::size_t i, Chunk& chunk) {
         chunk.reserve(16);
@@ -23,7 +23,7 @@ void write_list(AtomicFile& file, std::size_t count, ProgressPart part, const Co
 
 /// Writes name = [item, item, ...]
 template <class Put>
-void write_array(AtomicFile& file, std::string_view name, std::size_t count, ProgressPart part,
+void write_array(AtomicFile& file, std::string_view name, std::size_t count, ProgressRange part,
                  const Context& ctx, const Put& put) {
     file.write(fmt::format("        {} = ", name));
     write_list(file, count, part, ctx, put);

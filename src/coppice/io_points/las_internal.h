@@ -123,9 +123,9 @@ struct LasRange {
 
 /// A range of records that is read independently: it fills the columns from its first record on, without
 /// gaps.
-struct LasPart {
-    LasPart() = default;
-    LasPart(LasColumns& to, std::uint64_t begin, std::uint64_t end)
+struct LasRecordRange {
+    LasRecordRange() = default;
+    LasRecordRange(LasColumns& to, std::uint64_t begin, std::uint64_t end)
         : columns(&to), first(begin), count(end - begin), ranges(to.ranged.size()) {}
 
     LasColumns* columns = nullptr;
@@ -189,7 +189,7 @@ struct LasReading {
 [[noreturn]] void las_cut_off(const std::string& source, const std::string& subject);
 
 /// Reads the requested columns of a LAZ file; of a truncated file, the complete chunks.
-std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
-                              LasColumns& columns, const Context& ctx);
+std::vector<LasRecordRange> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
+                                     LasColumns& columns, const Context& ctx);
 
 }  // namespace coppice::io_internal

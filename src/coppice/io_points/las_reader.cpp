@@ -87,13 +87,13 @@ std::uint64_t count_of_records(std::string_view bytes, const LasHeader& h, const
     las_cut_off(reading.source, subject);
 }
 
-std::vector<LasPart> read_plain(std::string_view bytes, const LasHeader& h, const LasReading& reading,
-                                LasColumns& columns, const Context& ctx) {
+std::vector<LasRecordRange> read_plain(std::string_view bytes, const LasHeader& h, const LasReading& reading,
+                                       LasColumns& columns, const Context& ctx) {
     const std::uint64_t count = count_of_records(bytes, h, reading);
     columns.resize(count, reading.wanted, h);
-    std::vector<LasPart> parts((count + kPart - 1) / kPart);
+    std::vector<LasRecordRange> parts((count + kPart - 1) / kPart);
     parallel_with_progress(ctx, count, kPart, [&](IndexRange range) {
-        LasPart part(columns, range.begin, range.end);
+        LasRecordRange part(columns, range.begin, range.end);
         for (std::uint64_t i = range.begin; i < range.end; ++i)
             part.put(parse_record(bytes.substr(h.data + i * h.record, h.record), h));
         parts[range.begin / kPart] = std::move(part);
@@ -108,8 +108,8 @@ Vec3d world(const Place& p, const LasHeader& h) {
 }
 
 /// Two opposite corners of the bounding box of the points, in the frame of the file.
-std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                             const Context& ctx) {
+std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasRecordRange>& parts,
+                             const LasHeader& h, const Context& ctx) {
     struct Range {
         Place low, high;
         void extend(const Place& a, const Place& b) {
@@ -126,7 +126,7 @@ std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPar
         ctx, parts.size(), 1, nothing,
         [&](IndexRange r) {
             Range of_part = nothing;
-            const LasPart& part = parts[r.begin];
+            const LasRecordRange& part = parts[r.begin];
             for (std::uint64_t i = part.first; i < part.first + part.kept; ++i)
                 of_part.extend(columns.places[i], columns.places[i]);
             return of_part;
@@ -141,9 +141,9 @@ std::array<Vec3d, 2> corners(const LasColumns& columns, const std::vector<LasPar
 /// Concatenates the kept values of the parts in their order.
 class Gathering {
   public:
-    Gathering(const std::vector<LasPart>& parts, const Context& ctx) : parts_(parts), ctx_(ctx) {
+    Gathering(const std::vector<LasRecordRange>& parts, const Context& ctx) : parts_(parts), ctx_(ctx) {
         begin_.reserve(parts.size());
-        for (const LasPart& part : parts) begin_.push_back(part.kept);
+        for (const LasRecordRange& part : parts) begin_.push_back(part.kept);
         count_ = exclusive_scan(std::span(begin_));
     }
     std::uint64_t count() const { return count_; }
@@ -153,7 +153,7 @@ class Gathering {
     void gather(const From& from, To& to, const Convert& convert) const {
         to.resize(count_);
         parallel_for(ctx_, parts_.size(), 1, [&](std::size_t k) {
-            const LasPart& part = parts_[k];
+            const LasRecordRange& part = parts_[k];
             for (std::uint64_t i = 0; i < part.kept; ++i) to[begin_[k] + i] = convert(from[part.first + i]);
         });
     }
@@ -169,7 +169,7 @@ class Gathering {
     void gather_colors(const Buffer<Rgb16>& from, std::vector<Rgb>& to) const {
         if (from.empty()) return;
         std::uint16_t most = 0;
-        for (const LasPart& part : parts_) {
+        for (const LasRecordRange& part : parts_) {
             for (std::uint64_t i = part.first; i < part.first + part.kept; ++i)
                 most = std::max(most, *std::ranges::max_element(from[i]));
         }
@@ -182,14 +182,14 @@ class Gathering {
     }
 
   private:
-    const std::vector<LasPart>& parts_;
+    const std::vector<LasRecordRange>& parts_;
     const Context& ctx_;
     std::vector<std::uint64_t> begin_;
     std::uint64_t count_ = 0;
 };
 
-PointCloud make_points(const LasColumns& columns, const std::vector<LasPart>& parts, const LasHeader& h,
-                       const std::string& source, const Context& ctx) {
+PointCloud make_points(const LasColumns& columns, const std::vector<LasRecordRange>& parts,
+                       const LasHeader& h, const std::string& source, const Context& ctx) {
     const Gathering kept(parts, ctx);
     if (kept.count() == 0) throw InvalidInput(fmt::format("{}: it contains no points", source));
     const auto [a, b] = corners(columns, parts, h, ctx);
@@ -209,11 +209,12 @@ PointCloud make_points(const LasColumns& columns, const std::vector<LasPart>& pa
     return out;
 }
 
-std::vector<PointDimension> list_dimensions(const LasColumns& columns, const std::vector<LasPart>& parts) {
+std::vector<PointDimension> list_dimensions(const LasColumns& columns,
+                                            const std::vector<LasRecordRange>& parts) {
     std::vector<PointDimension> out;
     for (std::size_t d = 0; d < columns.ranged.size(); ++d) {
         LasRange range;
-        for (const LasPart& part : parts) range.extend(part.ranges[d]);
+        for (const LasRecordRange& part : parts) range.extend(part.ranges[d]);
         out.push_back({columns.ranged[d].name, range.low, range.high});
     }
     return out;
@@ -249,10 +250,11 @@ PointFile parse_las(std::string_view bytes, const PointColumns& wanted, const Re
     header.dimensions = las_dimensions(records, header);
     const LasReading reading{wanted, options.allow_truncated, source};
     LasColumns columns;
-    const std::vector<LasPart> parts = header.compressed ? read_laz(bytes, header, reading, columns, ctx)
-                                                         : read_plain(bytes, header, reading, columns, ctx);
+    const std::vector<LasRecordRange> parts = header.compressed
+                                                  ? read_laz(bytes, header, reading, columns, ctx)
+                                                  : read_plain(bytes, header, reading, columns, ctx);
     std::uint64_t held = 0;
-    for (const LasPart& part : parts) held += part.count;
+    for (const LasRecordRange& part : parts) held += part.count;
     return {.point_cloud = make_points(columns, parts, header, source, ctx),
             .format = describe_format(header),
             .missing = header.count - held,

@@ -17,7 +17,7 @@ constexpr std::uint64_t kMaxPointsPerByte = 64;
                                     chunk + 1, chunks));
 }
 
-std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
+std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasRecordRange& out,
                                   const Context& ctx) {
     return packing.layered ? unpack_layers(chunk, packing, out, ctx)
                            : unpack_records(chunk, packing, out, ctx);
@@ -25,8 +25,8 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
 
 /// Decompresses chunks without a table sequentially: each begins at the end of the previous one. A file that
 /// may be truncated ends before the first incomplete chunk.
-void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing, std::vector<LasPart>& parts,
-                    const LasReading& reading, const Context& ctx) {
+void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing,
+                    std::vector<LasRecordRange>& parts, const LasReading& reading, const Context& ctx) {
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         check_in(ctx, i, chunks.size());
         const auto taken = unpack(chunks[i], packing, parts[i], ctx);
@@ -41,8 +41,8 @@ void unpack_in_turn(std::vector<LazChunk>& chunks, const LazPacking& packing, st
 
 }  // namespace
 
-std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
-                              LasColumns& columns, const Context& ctx) {
+std::vector<LasRecordRange> read_laz(std::string_view bytes, const LasHeader& h, const LasReading& reading,
+                                     LasColumns& columns, const Context& ctx) {
     const std::string& source = reading.source;
     const LazPacking packing = read_laz_packing(bytes, h, source);
     if (h.count / kMaxPointsPerByte > bytes.size()) {
@@ -53,7 +53,7 @@ std::vector<LasPart> read_laz(std::string_view bytes, const LasHeader& h, const 
     if (h.count == 0) return {};
     std::vector<LazChunk> chunks = find_laz_chunks(bytes, h, packing, reading);
     columns.resize(chunks.back().first + chunks.back().count, reading.wanted, h);
-    std::vector<LasPart> parts;
+    std::vector<LasRecordRange> parts;
     parts.reserve(chunks.size());
     for (const LazChunk& chunk : chunks) parts.emplace_back(columns, chunk.first, chunk.first + chunk.count);
     if (chunks.size() > 1 && chunks[1].bytes.empty()) {

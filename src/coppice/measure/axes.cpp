@@ -78,8 +78,8 @@ class AxesJudge {
     }
 
     // Returns the portions of the severed places, after judge().
-    std::vector<SeveredPart> severed_parts() const {
-        std::vector<SeveredPart> out;
+    std::vector<SeveredRange> find_severed_ranges() const {
+        std::vector<SeveredRange> out;
         for (const Place& p : places_) {
             if (is_severed(p)) out.insert(out.end(), p.parts.begin(), p.parts.end());
         }
@@ -304,7 +304,7 @@ class AxesJudge {
 
     struct Place {
         SeveredPlace severed;
-        std::vector<SeveredPart> parts;
+        std::vector<SeveredRange> parts;
         double radius = 0;
         bool is_outside = false;  // at least one point of it
     };
@@ -364,13 +364,13 @@ AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeU
     return out;
 }
 
-std::vector<SeveredPart> severed_parts(const FaceView& mesh, const Skeleton& skeleton,
-                                       const CapsuleTree& segments, std::span<const std::uint8_t> wanted,
-                                       const Context& ctx) {
+std::vector<SeveredRange> find_severed_ranges(const FaceView& mesh, const Skeleton& skeleton,
+                                              const CapsuleTree& segments,
+                                              std::span<const std::uint8_t> wanted, const Context& ctx) {
     const FaceRuns faces(mesh, ctx);
     AxesJudge judge(faces, skeleton, segments, wanted);
     judge.judge(ctx);
-    return judge.severed_parts();
+    return judge.find_severed_ranges();
 }
 
 }  // namespace coppice

@@ -73,7 +73,7 @@ struct AxesReport {
 };
 
 /// A portion of the axis of a segment at which a branch is severed.
-struct SeveredPart {
+struct SeveredRange {
     NodeId node;      ///< child node of the segment
     double from = 0;  ///< parameter of the segment, from its parent, at which the portion begins
     double to = 1;    ///< parameter at which it ends
@@ -100,9 +100,9 @@ AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeU
 /// Returns the portions of the axes of some segments (`wanted`, by node) at which a surface severs them,
 /// grouped by place. The mesh needs only the faces within two radii of these segments. `segments` must be the
 /// capsules of the skeleton, in the frame of the mesh.
-std::vector<SeveredPart> severed_parts(const FaceView& mesh, const Skeleton& skeleton,
-                                       const CapsuleTree& segments, std::span<const std::uint8_t> wanted,
-                                       const Context& ctx = {});
+std::vector<SeveredRange> find_severed_ranges(const FaceView& mesh, const Skeleton& skeleton,
+                                              const CapsuleTree& segments,
+                                              std::span<const std::uint8_t> wanted, const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.
 template <class Visitor>

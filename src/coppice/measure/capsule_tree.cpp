@@ -125,7 +125,7 @@ CapsuleTree::CapsuleTree(std::vector<NodeId> nodes, std::vector<RoundCone> cones
     : nodes_(std::move(nodes)), cones_(std::move(cones)), boxes_(axis_boxes(cones_, std::array{1.0}), ctx) {
     if (is_crowded(boxes_, cones_)) {
         const std::vector<double> ends = crowd_pieces(cones_.size());
-        pieces_ = static_cast<std::uint32_t>(ends.size());
+        sections_ = static_cast<std::uint32_t>(ends.size());
         boxes_ = BoxTree(axis_boxes(cones_, ends), ctx);
     }
     auto& levels = inverse_radius_squared_;
@@ -150,7 +150,7 @@ CapsuleTree::Nearest CapsuleTree::nearest(Vec3d p, std::uint32_t hint) const {
     Closest closest(cones_, p);
     if (hint != kNoIndex) closest.offer(hint);
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, closest.rho_squared(),
-                  [&](std::uint32_t piece) { closest.offer(compute_capsule(piece)); });
+                  [&](std::uint32_t section) { closest.offer(compute_capsule(section)); });
     return closest.found();
 }
 
@@ -172,10 +172,10 @@ void CapsuleTree::nearest(std::span<const Vec3d> points, std::uint32_t hint, std
         const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], around) * inverse_radius_squared_[l][i];
         };
-        boxes_.search(to_box, limit, [&](std::uint32_t piece) {
+        boxes_.search(to_box, limit, [&](std::uint32_t section) {
             fit = fit && count < kMaxCandidates;
             if (fit) {
-                candidate[count++] = compute_capsule(piece);
+                candidate[count++] = compute_capsule(section);
             } else {
                 limit = -1;
             }
@@ -196,8 +196,8 @@ bool CapsuleTree::any_within(Vec3d p, double rho, std::uint32_t except) const {
     double limit = rho * rho;
     bool found = false;
     boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
-                  [&](std::uint32_t piece) {
-                      const std::uint32_t i = compute_capsule(piece);
+                  [&](std::uint32_t section) {
+                      const std::uint32_t i = compute_capsule(section);
                       if (i == except || cones_[i].closest_point(p).relative_squared() >= rho * rho) return;
                       found = true;
                       limit = -1;

@@ -57,8 +57,8 @@ class CapsuleTree {
     void visit_containing(Vec3d p, const Visit& visit) const {
         double limit = 1;
         boxes_.search([&](std::uint32_t l, std::uint32_t i) { return bound(l, i, p); }, limit,
-                      [&](std::uint32_t piece) {
-                          const std::uint32_t i = compute_capsule(piece);
+                      [&](std::uint32_t section) {
+                          const std::uint32_t i = compute_capsule(section);
                           const RoundCone::ClosestPoint closest = cones_[i].closest_point(p);
                           if (limit > 0 && closest.relative_squared() <= 1 && !visit(i, closest)) limit = -1;
                       });
@@ -74,8 +74,8 @@ class CapsuleTree {
         const auto to_box = [&](std::uint32_t l, std::uint32_t i) {
             return distance_squared(boxes_.level(l)[i], p);
         };
-        boxes_.search(to_box, limit_squared, [&](std::uint32_t piece) {
-            const std::uint32_t i = compute_capsule(piece);
+        boxes_.search(to_box, limit_squared, [&](std::uint32_t section) {
+            const std::uint32_t i = compute_capsule(section);
             const double d2 = length_squared(cones_[i].closest_point(p).offset);
             if (d2 <= limit_squared) visit(i, d2);
         });
@@ -85,12 +85,12 @@ class CapsuleTree {
     double bound(std::uint32_t level, std::uint32_t i, Vec3d p) const {
         return distance_squared(boxes_.level(level)[i], p) * inverse_radius_squared_[level][i];
     }
-    std::uint32_t compute_capsule(std::uint32_t piece) const { return piece / pieces_; }
+    std::uint32_t compute_capsule(std::uint32_t section) const { return section / sections_; }
 
     std::vector<NodeId> nodes_;
     std::vector<RoundCone> cones_;
-    std::uint32_t pieces_ = 1;  ///< number of sections per axis, each with its own box
-    BoxTree boxes_;             ///< of the sections; those of one axis are consecutive
+    std::uint32_t sections_ = 1;  ///< number of sections per axis, each with its own box
+    BoxTree boxes_;               ///< of the sections; those of one axis are consecutive
     /// By level and box: of the largest radius in it.
     std::vector<std::vector<double>> inverse_radius_squared_;
 };

@@ -29,7 +29,7 @@ class PairTest {
   public:
     explicit PairTest(const SurfaceTree& surface) : surface_(surface), x_(surface.mesh().positions) {}
 
-    bool cross(const SurfaceTree::Piece& p, const SurfaceTree::Piece& q) const {
+    bool cross(const SurfaceTree::TriangleRun& p, const SurfaceTree::TriangleRun& q) const {
         if (p.face == q.face) return false;
         for (const Triangle& s : surface_.triangles(p)) {
             const Box3 box = compute_box(s);
@@ -77,7 +77,7 @@ std::vector<FacePair> crossings_of_groups(const SurfaceTree& surface, IndexRange
     std::vector<FacePair> found;
     for (std::size_t g = groups.begin; g < groups.end && found.size() < limit; ++g) {
         boxes.overlaps(static_cast<std::uint32_t>(g), [&](std::uint32_t i, std::uint32_t j) {
-            const auto &p = surface.piece(boxes.item(i)), &q = surface.piece(boxes.item(j));
+            const auto &p = surface.run(boxes.item(i)), &q = surface.run(boxes.item(j));
             if (found.size() >= limit || !test.cross(p, q)) return;
             found.push_back({std::min(p.face, q.face), std::max(p.face, q.face)});
         });

@@ -60,7 +60,7 @@ SurfaceReport check_surface(const PolygonMesh& mesh, const Skeleton* skeleton, c
     if (options.intersections || tree != nullptr) check_tree(mesh, skeleton, tree, options, ctx, report);
     ctx.throw_if_cancelled();
     ctx.report(0.9f);
-    if (skeleton != nullptr) report.parts = tree_parts(mesh, *skeleton, ctx);
+    if (skeleton != nullptr) report.parts = compute_tree_components(mesh, *skeleton, ctx);
     ctx.throw_if_cancelled();
     if (tree != nullptr) {
         const VertexPlaces places = vertex_places(mesh, *skeleton, *tree, ctx);

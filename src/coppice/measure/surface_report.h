@@ -10,7 +10,7 @@
 #include "coppice/measure/intersections.h"
 #include "coppice/measure/radius.h"
 #include "coppice/measure/smoothness.h"
-#include "coppice/measure/tree_parts.h"
+#include "coppice/measure/tree_components.h"
 #include "coppice/measure/union_handles.h"
 #include "coppice/measure/volume_report.h"
 #include "coppice/mesh/mesh.h"
@@ -42,7 +42,7 @@ struct SurfaceReport {
     std::optional<RadiusReport> radius;             ///< nullopt without a skeleton
     std::optional<EdgeFlowReport> edge_flow;        ///< nullopt without a skeleton
     std::optional<AxesReport> axes;                 ///< nullopt without a skeleton
-    std::optional<TreePartsReport> parts;           ///< nullopt without a skeleton
+    std::optional<TreeComponentsReport> parts;      ///< nullopt without a skeleton
     /// nullopt without a skeleton, if the surface is not watertight, or if too many branches overlap
     std::optional<HandlesReport> handles;
     std::optional<VolumeReport> volume;  ///< nullopt without a skeleton

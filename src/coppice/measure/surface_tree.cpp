@@ -20,9 +20,9 @@ TrianglePoints get_points(const PolygonMesh& mesh, const Triangle& t) {
 
 }  // namespace
 
-struct SurfaceTree::Parts {
+struct SurfaceTree::Collection {
     std::vector<Triangle> triangles;
-    std::vector<Piece> pieces;
+    std::vector<TriangleRun> runs;
     std::vector<Box3> boxes;
 
     void add(const PolygonMesh& mesh, std::uint32_t face) {
@@ -31,56 +31,56 @@ struct SurfaceTree::Parts {
             const TrianglePoints p = get_points(mesh, t);
             if (is_degenerate(p)) return;
             if (!open) {
-                pieces.push_back({face, static_cast<std::uint32_t>(triangles.size()), 0});
+                runs.push_back({face, static_cast<std::uint32_t>(triangles.size()), 0});
                 boxes.emplace_back();
             }
             triangles.push_back(t);
             for (const Vec3 x : p) boxes.back().extend(x);
-            open = ++pieces.back().count < 2;
+            open = ++runs.back().count < 2;
         });
     }
 
     /// Joins the results of ranges of faces, in their order.
-    static Parts join(std::vector<Parts>& ranges) {
-        Parts all;
-        std::size_t triangle_count = 0, piece_count = 0;
-        for (const Parts& r : ranges) {
+    static Collection join(std::vector<Collection>& ranges) {
+        Collection all;
+        std::size_t triangle_count = 0, run_count = 0;
+        for (const Collection& r : ranges) {
             triangle_count += r.triangles.size();
-            piece_count += r.pieces.size();
+            run_count += r.runs.size();
         }
         all.triangles.reserve(triangle_count);
-        all.pieces.reserve(piece_count);
-        all.boxes.reserve(piece_count);
-        for (Parts& r : ranges) {
-            for (Piece& p : r.pieces) p.first += static_cast<std::uint32_t>(all.triangles.size());
+        all.runs.reserve(run_count);
+        all.boxes.reserve(run_count);
+        for (Collection& r : ranges) {
+            for (TriangleRun& p : r.runs) p.first += static_cast<std::uint32_t>(all.triangles.size());
             all.triangles.insert(all.triangles.end(), r.triangles.begin(), r.triangles.end());
-            all.pieces.insert(all.pieces.end(), r.pieces.begin(), r.pieces.end());
+            all.runs.insert(all.runs.end(), r.runs.begin(), r.runs.end());
             all.boxes.insert(all.boxes.end(), r.boxes.begin(), r.boxes.end());
             r = {};
         }
         return all;
     }
 
-    static Parts of(const PolygonMesh& mesh, const Context& ctx) {
+    static Collection of(const PolygonMesh& mesh, const Context& ctx) {
         const std::size_t n = mesh.face_count();
-        std::vector<Parts> ranges((n + kSurfaceTreeGrain - 1) / kSurfaceTreeGrain);
+        std::vector<Collection> ranges((n + kSurfaceTreeGrain - 1) / kSurfaceTreeGrain);
         parallel_for_ranges(ctx, n, kSurfaceTreeGrain, [&](IndexRange range) {
-            Parts& parts = ranges[range.begin / kSurfaceTreeGrain];
+            Collection& collection = ranges[range.begin / kSurfaceTreeGrain];
             for (std::size_t f = range.begin; f < range.end; ++f)
-                parts.add(mesh, static_cast<std::uint32_t>(f));
+                collection.add(mesh, static_cast<std::uint32_t>(f));
         });
         return join(ranges);
     }
 };
 
 SurfaceTree::SurfaceTree(const PolygonMesh& mesh, const Context& ctx)
-    : SurfaceTree(mesh, Parts::of(mesh, ctx), ctx) {}
+    : SurfaceTree(mesh, Collection::of(mesh, ctx), ctx) {}
 
-SurfaceTree::SurfaceTree(const PolygonMesh& mesh, Parts&& parts, const Context& ctx)
+SurfaceTree::SurfaceTree(const PolygonMesh& mesh, Collection&& collection, const Context& ctx)
     : mesh_(&mesh),
-      triangles_(std::move(parts.triangles)),
-      pieces_(std::move(parts.pieces)),
-      boxes_(parts.boxes, ctx) {}
+      triangles_(std::move(collection.triangles)),
+      runs_(std::move(collection.runs)),
+      boxes_(collection.boxes, ctx) {}
 
 double SurfaceTree::distance(Vec3d p) const {
     double least = std::numeric_limits<double>::infinity();
@@ -88,7 +88,7 @@ double SurfaceTree::distance(Vec3d p) const {
         return distance_squared(boxes_.level(l)[i], p);
     };
     boxes_.search(bound, least, [&](std::uint32_t item) {
-        for (const Triangle& t : triangles(pieces_[item])) {
+        for (const Triangle& t : triangles(runs_[item])) {
             const TrianglePoints x = get_points(*mesh_, t);
             least = std::min(least, distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])));
         }
@@ -103,7 +103,7 @@ bool SurfaceTree::is_within(Vec3d p, double distance) const {
         return distance_squared(boxes_.level(l)[i], p);
     };
     boxes_.search(bound, limit, [&](std::uint32_t item) {
-        for (const Triangle& t : triangles(pieces_[item])) {
+        for (const Triangle& t : triangles(runs_[item])) {
             const TrianglePoints x = get_points(*mesh_, t);
             if (found || distance_squared(p, Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2])) > limit) continue;
             found = true;
@@ -119,7 +119,7 @@ double SurfaceTree::signed_distance(Vec3d p) const {
         return distance_squared(boxes_.level(l)[i], p);
     };
     boxes_.search(bound, nearest.limit_squared(), [&](std::uint32_t item) {
-        for (const Triangle& t : triangles(pieces_[item])) {
+        for (const Triangle& t : triangles(runs_[item])) {
             const TrianglePoints x = get_points(*mesh_, t);
             nearest.add(Vec3d(x[0]), Vec3d(x[1]), Vec3d(x[2]));
         }

@@ -19,18 +19,18 @@ class SurfaceTree {
     explicit SurfaceTree(const PolygonMesh& mesh, const Context& ctx = {});
 
     /// Triangles of one face that share a box.
-    struct Piece {
+    struct TriangleRun {
         std::uint32_t face = 0;   ///< the face that contains them
         std::uint32_t first = 0;  ///< triangles first .. first + count
         std::uint32_t count = 0;  ///< number of triangles
     };
 
-    const PolygonMesh& mesh() const { return *mesh_; }                      ///< the indexed mesh
-    const BoxTree& boxes() const { return boxes_; }                         ///< of the pieces
-    const Piece& piece(std::uint32_t item) const { return pieces_[item]; }  ///< an item of boxes()
-    /// Returns the triangles of a piece.
-    std::span<const Triangle> triangles(const Piece& piece) const {
-        return std::span(triangles_).subspan(piece.first, piece.count);
+    const PolygonMesh& mesh() const { return *mesh_; }                        ///< the indexed mesh
+    const BoxTree& boxes() const { return boxes_; }                           ///< of the runs
+    const TriangleRun& run(std::uint32_t item) const { return runs_[item]; }  ///< an item of boxes()
+    /// Returns the triangles of a run.
+    std::span<const Triangle> triangles(const TriangleRun& run) const {
+        return std::span(triangles_).subspan(run.first, run.count);
     }
 
     /// Returns the distance from a point to the surface; infinite if that is empty. O(log n) near the
@@ -47,12 +47,12 @@ class SurfaceTree {
     double signed_distance(Vec3d p) const;
 
   private:
-    struct Parts;
-    SurfaceTree(const PolygonMesh& mesh, Parts&& parts, const Context& ctx);
+    struct Collection;
+    SurfaceTree(const PolygonMesh& mesh, Collection&& collection, const Context& ctx);
 
     const PolygonMesh* mesh_;
     std::vector<Triangle> triangles_;
-    std::vector<Piece> pieces_;
+    std::vector<TriangleRun> runs_;
     BoxTree boxes_;
 };
 

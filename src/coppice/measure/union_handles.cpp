@@ -19,7 +19,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t kPairGrain = 64;
-constexpr std::size_t kMaxNeighbors = 100;  // mean number of boxes that overlap the box of a cone
+constexpr std::size_t kMaxNeighbors = 100;      // mean number of boxes that overlap the box of a cone
 constexpr std::size_t kMinNeighbors = 100'000;  // number of overlaps that is always permitted
 constexpr double kSlack = 1e-3;  // [radii] distance at which cones are considered to have a common point
 

@@ -21,7 +21,7 @@ constexpr int kMaxRounds = 12;
 /// the order of their capsules; a point belongs to the first portion that contains it.
 enum Kind : std::uint8_t { kFrustum, kStart, kEnd, kBall, kKinds };
 
-struct Part {
+struct Portion {
     std::uint32_t capsule = 0;
     Kind kind = kFrustum;
     double volume = 0;         ///< [m^3] without cuts
@@ -48,22 +48,22 @@ Kind kind_at(const RoundCone& cone, const RoundCone::ClosestPoint& closest) {
 
 double cube(double x) { return x * x * x; }
 
-std::vector<Part> find_parts(const CapsuleTree& capsules) {
+std::vector<Portion> find_portions(const CapsuleTree& capsules) {
     constexpr double kPi = std::numbers::pi;
-    std::vector<Part> parts;
-    parts.reserve(3 * std::size_t{capsules.size()});
+    std::vector<Portion> portions;
+    portions.reserve(3 * std::size_t{capsules.size()});
     for (std::uint32_t i = 0; i < capsules.size(); ++i) {
         const RoundCone& c = capsules.cone(i);
         const double a = c.radius_a, b = c.radius_b(), l = length(c.axis);
         if (l == 0) {
-            parts.push_back({i, kBall, 4 * kPi / 3 * cube(std::max(a, b))});
+            portions.push_back({i, kBall, 4 * kPi / 3 * cube(std::max(a, b))});
             continue;
         }
-        parts.push_back({i, kFrustum, kPi * l / 3 * (a * a + a * b + b * b)});
-        parts.push_back({i, kStart, 2 * kPi / 3 * cube(a)});
-        parts.push_back({i, kEnd, 2 * kPi / 3 * cube(b)});
+        portions.push_back({i, kFrustum, kPi * l / 3 * (a * a + a * b + b * b)});
+        portions.push_back({i, kStart, 2 * kPi / 3 * cube(a)});
+        portions.push_back({i, kEnd, 2 * kPi / 3 * cube(b)});
     }
-    return parts;
+    return portions;
 }
 
 /// Returns two unit vectors perpendicular to u and to each other.
@@ -81,9 +81,9 @@ double parameter_of_share(const RoundCone& c, double u) {
 }
 
 /// Maps points of the unit cube to points of a portion, evenly by volume.
-class PartMap {
+class PortionMap {
   public:
-    PartMap(const RoundCone& cone, Kind kind) : cone_(cone), kind_(kind) {
+    PortionMap(const RoundCone& cone, Kind kind) : cone_(cone), kind_(kind) {
         along_ = normalized(cone.axis, {0, 0, 1});
         if (kind == kStart) along_ = -along_;
         side_ = across(along_);
@@ -116,13 +116,13 @@ class PartMap {
 };
 
 /// Returns whether p, in this portion, is in the union and in no previous portion.
-bool is_own(const ConeUnion& solid, const Part& part, Vec3d p) {
-    if (solid.is_cut_off(part.capsule, p)) return false;
+bool is_own(const ConeUnion& solid, const Portion& portion, Vec3d p) {
+    if (solid.is_cut_off(portion.capsule, p)) return false;
     bool own = true;
     solid.capsules().visit_containing(p, [&](std::uint32_t i, const RoundCone::ClosestPoint& closest) {
-        if (i == part.capsule) return true;
+        if (i == portion.capsule) return true;
         const Kind kind = kind_at(solid.capsules().cone(i), closest);
-        const bool before = kind < part.kind || (kind == part.kind && i < part.capsule);
+        const bool before = kind < portion.kind || (kind == portion.kind && i < portion.capsule);
         own = !before || solid.is_cut_off(i, p);
         return own;
     });
@@ -134,27 +134,27 @@ class Sampler {
   public:
     Sampler(const ConeUnion& solid, const MarkPoint& mark) : solid_(solid), mark_(mark) {}
 
-    void operator()(Part& part) const {
+    void operator()(Portion& portion) const {
         // Powers of the inverse of the solution of x^4 = x + 1: their multiples, modulo 1, fill the cube
         // evenly.
         constexpr double kGolden = 1.2207440846057596;
         constexpr std::array kStep{1 / kGolden, 1 / (kGolden * kGolden), 1 / (kGolden * kGolden * kGolden)};
-        const CounterRandom random(0, part.kind);
+        const CounterRandom random(0, portion.kind);
         std::array<double, 3> shift;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            shift[axis] = random.uniform(3 * std::uint64_t{part.capsule} + axis);
+            shift[axis] = random.uniform(3 * std::uint64_t{portion.capsule} + axis);
         }
-        const PartMap map(solid_.capsules().cone(part.capsule), part.kind);
-        for (; part.points < part.wanted; ++part.points) {
+        const PortionMap map(solid_.capsules().cone(portion.capsule), portion.kind);
+        for (; portion.points < portion.wanted; ++portion.points) {
             std::array<double, 3> x;
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                x[axis] = shift[axis] + static_cast<double>(part.points) * kStep[axis];
+                x[axis] = shift[axis] + static_cast<double>(portion.points) * kStep[axis];
                 x[axis] -= std::floor(x[axis]);
             }
-            const PartMap::Point p = map(x[0], x[1], x[2]);
-            if (!is_own(solid_, part, p.position)) continue;
-            ++part.own;
-            if (mark_ && mark_(part.capsule, p.position, p.radius)) ++part.marked;
+            const PortionMap::Point p = map(x[0], x[1], x[2]);
+            if (!is_own(solid_, portion, p.position)) continue;
+            ++portion.own;
+            if (mark_ && mark_(portion.capsule, p.position, p.radius)) ++portion.marked;
         }
     }
 
@@ -168,9 +168,9 @@ struct Sums {
     std::uint64_t points = 0;
 };
 
-Sums compute_sums(std::span<const Part> parts) {
+Sums compute_sums(std::span<const Portion> portions) {
     Sums s;
-    for (const Part& p : parts) {
+    for (const Portion& p : portions) {
         s.volume += p.estimate(p.own);
         s.deviation += p.deviation();
         s.variance += p.deviation() * p.deviation() / static_cast<double>(p.points);
@@ -181,7 +181,7 @@ Sums compute_sums(std::span<const Part> parts) {
 
 /// Increases the numbers of points of the portions, in proportion to their deviations; returns false if there
 /// are enough.
-bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& options) {
+bool allocate(std::span<Portion> portions, const Sums& now, const UnionVolumeOptions& options) {
     const double target = options.tolerance * now.volume / 2;  // a standard error
     if (now.variance <= target * target || now.points >= options.max_samples) return false;
     // At most four times the points per round, because the first deviations are rough estimates.
@@ -189,7 +189,7 @@ bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& 
     const double budget =
         std::min({ideal, 4 * static_cast<double>(now.points), static_cast<double>(options.max_samples)});
     bool more = false;
-    for (Part& p : parts) {
+    for (Portion& p : portions) {
         const double share = p.deviation() / now.deviation * budget;
         p.wanted = std::max(p.points, static_cast<std::uint64_t>(share));
         more = more || p.wanted > p.points;
@@ -201,19 +201,19 @@ bool allocate(std::span<Part> parts, const Sums& now, const UnionVolumeOptions& 
 
 UnionVolume union_volume(const ConeUnion& solid, const UnionVolumeOptions& options, const MarkPoint& mark,
                          const Context& ctx) {
-    std::vector<Part> parts = find_parts(solid.capsules());
+    std::vector<Portion> portions = find_portions(solid.capsules());
     const Sampler sample(solid, mark);
     Sums sums;
     for (int round = 0; round < kMaxRounds; ++round) {
-        parallel_for(ctx, parts.size(), kUnionVolumeGrain, [&](std::size_t i) { sample(parts[i]); });
-        sums = compute_sums(parts);
+        parallel_for(ctx, portions.size(), kUnionVolumeGrain, [&](std::size_t i) { sample(portions[i]); });
+        sums = compute_sums(portions);
         ctx.report(static_cast<float>(round + 1) / kMaxRounds);
-        if (!allocate(parts, sums, options)) break;
+        if (!allocate(portions, sums, options)) break;
     }
     UnionVolume out;
     out.of_capsule.assign(solid.capsules().size(), 0.0);
     out.marked.assign(solid.capsules().size(), 0.0);
-    for (const Part& p : parts) {
+    for (const Portion& p : portions) {
         out.of_capsule[p.capsule] += p.estimate(p.own);
         out.marked[p.capsule] += p.estimate(p.marked);
     }
@@ -228,16 +228,16 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
         std::uint64_t points = 0, own = 0;
     };
     using Counts = std::array<Count, kKinds>;
-    const std::vector<Part> parts = find_parts(solid.capsules());
+    const std::vector<Portion> portions = find_portions(solid.capsules());
     std::array<double, kKinds> volume{};
-    for (const Part& p : parts) volume[p.kind] += p.volume;
+    for (const Portion& p : portions) volume[p.kind] += p.volume;
     const double all = std::accumulate(volume.begin(), volume.end(), 0.0);
     if (!(all > 0)) return {};
     // Points first[i] up to first[i + 1] belong to portion i.
-    std::vector<std::uint64_t> first(parts.size() + 1, 0);
+    std::vector<std::uint64_t> first(portions.size() + 1, 0);
     double before = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        before += parts[i].volume;
+    for (std::size_t i = 0; i < portions.size(); ++i) {
+        before += portions[i].volume;
         const std::int64_t end = std::llround(before / all * static_cast<double>(samples));
         first[i + 1] = std::max(first[i], static_cast<std::uint64_t>(end));
     }
@@ -246,19 +246,19 @@ VolumeEstimate estimate_union_volume(const ConeUnion& solid, std::uint64_t sampl
         Counts counts;
         for (std::size_t i = range.begin; i < range.end; ++i) {
             if (first[i] == first[i + 1]) continue;
-            const Part& part = parts[i];
-            const PartMap map(solid.capsules().cone(part.capsule), part.kind);
+            const Portion& portion = portions[i];
+            const PortionMap map(solid.capsules().cone(portion.capsule), portion.kind);
             for (std::uint64_t k = first[i]; k < first[i + 1]; ++k) {
                 const auto p =
                     map(random.uniform(3 * k), random.uniform(3 * k + 1), random.uniform(3 * k + 2));
-                ++counts[part.kind].points;
-                counts[part.kind].own += is_own(solid, part, p.position) ? 1 : 0;
+                ++counts[portion.kind].points;
+                counts[portion.kind].own += is_own(solid, portion, p.position) ? 1 : 0;
             }
         }
         return counts;
     };
     const Counts counts =
-        parallel_reduce(ctx, parts.size(), kEstimateGrain, Counts{}, look, [](Counts a, const Counts& b) {
+        parallel_reduce(ctx, portions.size(), kEstimateGrain, Counts{}, look, [](Counts a, const Counts& b) {
             for (std::size_t k = 0; k < kKinds; ++k) {
                 a[k].points += b[k].points;
                 a[k].own += b[k].own;

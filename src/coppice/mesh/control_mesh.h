@@ -19,7 +19,7 @@ struct ClipPlane {
 };
 
 /// Portion of a tube that a cage quad belongs to.
-enum class TubePart : std::uint8_t {
+enum class TubeFace : std::uint8_t {
     side,   ///< along the tube: corners 0 and 1 are at its start, 2 and 3 at its end
     start,  ///< closes a tube that begins at a root
     end,    ///< closes a tube at a tip, or belongs to the sphere of an isolated node
@@ -35,7 +35,7 @@ struct ControlMesh {
     QuadMesh cage;                      ///< closed, one sphere per tree if there are no joins
     Buffer<Vec3> anchors;               ///< [m] one per cage vertex
     std::vector<std::uint32_t> region;  ///< per quad: its tube
-    std::vector<TubePart> part;         ///< per quad; quads of one portion of a tube are consecutive
+    std::vector<TubeFace> part;         ///< per quad; quads of one portion of a tube are consecutive
     std::vector<NodeId> region_node;    ///< per region: the segment (its child node) that it wraps
     std::vector<ClipPlane> clip;        ///< one per flat end, sorted by first quad
     std::vector<NodeJoin> joins;        ///< tubes that end in branch nodes of others, sorted by `end`

@@ -9,7 +9,7 @@
 
 #include "coppice/cage/cylinders.h"
 #include "coppice/cage/graft.h"
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 #include "coppice/edit/bend_apart.h"
 #include "coppice/field/kernel/ball_chain.h"
 #include "coppice/field/weights/global_weights.h"
@@ -93,7 +93,7 @@ struct QuadSurface {
     QuadMesh mesh;             ///< vertices of at least one face
     ControlMesh cage;          ///< quads before subdivision; of ramifications, before the second subdivision
     GraftReport grafted;       ///< branches that intersect each other
-    PartReport parted;         ///< branch nodes that were moved
+    SeparationReport parted;   ///< branch nodes that were moved
     ProjectReport projected;   ///< distances of the vertices from the iso value of the field
     UntangleReport untangled;  ///< folds found and removed
     RemeshReport repair;       ///< crossings found and remeshed

@@ -48,7 +48,7 @@ std::optional<double> nearest_intersection(const SurfaceTree& surface, Vec3d p, 
         return d < least || (d == least && (!nearest || t > *nearest));
     };
     surface.boxes().visit_overlapping(way, [&](std::uint32_t item) {
-        for (const Triangle& t : surface.triangles(surface.piece(item))) {
+        for (const Triangle& t : surface.triangles(surface.run(item))) {
             const auto at = line_triangle_intersection(p, n, Vec3d(x[t[0]]), Vec3d(x[t[1]]), Vec3d(x[t[2]]));
             if (at && better(*at)) nearest = at;
         }

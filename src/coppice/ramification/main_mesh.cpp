@@ -113,10 +113,10 @@ class Builder {
         for (std::size_t i = 0; i < rings.size(); ++i) {
             const Unit* u = is_start(i) ? &plan.units[unit++] : nullptr;
             if (i == 0 && in_unit) {
-                connect(front.ring, rings[i].vertices, rings[i].axis, TubePart::fork, front.node);
+                connect(front.ring, rings[i].vertices, rings[i].axis, TubeFace::fork, front.node);
             } else {
                 add_tubes(b, front, rings[i].t, u != nullptr ? meeting_point(plan, *u) : rings[i].t);
-                connect(front.ring, rings[i].vertices, rings[i].axis, TubePart::side, front.first);
+                connect(front.ring, rings[i].vertices, rings[i].axis, TubeFace::side, front.first);
             }
             if (u != nullptr) {
                 build_unit(b, path, *u, std::span(rings).subspan(i, u->rings.size()), plan, front.node,
@@ -137,7 +137,7 @@ class Builder {
         Front front;
         front.node = out_.tubes.add_root(branches_, b, in_unit ? meeting_point(plan, plan.units[0]) : 0);
         front.ring = begin_root(b, path, rings.empty() ? RingPlan{} : rings.front(),
-                                in_unit ? TubePart::fork : TubePart::start, front.node);
+                                in_unit ? TubeFace::fork : TubeFace::start, front.node);
         return front;
     }
 
@@ -263,7 +263,7 @@ class Builder {
         return static_cast<std::uint32_t>(out_.control.anchors.size()) - 1;
     }
 
-    void add_quad(const Ring& corners, TubePart part, NodeId region) {
+    void add_quad(const Ring& corners, TubeFace part, NodeId region) {
         out_.control.cage.quads.push_back(corners);
         out_.control.part.push_back(part);
         out_.control.region.push_back(region.index());
@@ -288,7 +288,7 @@ class Builder {
     }
 
     /// Adds four quads from ring to ring, rotated by eq. 6.
-    void connect(const Ring& from, const Ring& to, Vec3d axis, TubePart part, NodeId region) {
+    void connect(const Ring& from, const Ring& to, Vec3d axis, TubeFace part, NodeId region) {
         std::array<Vec3d, 4> first, second;
         for (std::size_t k = 0; k < 4; ++k) {
             first[k] = point(from[k]);
@@ -320,7 +320,7 @@ class Builder {
                     const double low = l->center - rings[row].t, high = rings[row + 1].t - l->center;
                     open_face(face, path, *l, low, high, fork);
                 } else {
-                    add_quad(face, TubePart::fork, fork);
+                    add_quad(face, TubeFace::fork, fork);
                 }
                 for (std::uint32_t q = first; q < quad_count(); ++q) seat.quads.push_back(q);
             }
@@ -364,10 +364,10 @@ class Builder {
             rings[static_cast<std::size_t>(side)] = ring.vertices;
         }
         const auto& [s, e] = rings;
-        add_quad({s[3], s[2], s[1], s[0]}, TubePart::fork, fork);
-        add_quad(e, TubePart::fork, fork);
+        add_quad({s[3], s[2], s[1], s[0]}, TubeFace::fork, fork);
+        add_quad(e, TubeFace::fork, fork);
         for (std::uint32_t k = 1; k < 4; ++k)
-            add_quad({s[k], s[(k + 1) % 4], e[(k + 1) % 4], e[k]}, TubePart::fork, fork);
+            add_quad({s[k], s[(k + 1) % 4], e[(k + 1) % 4], e[k]}, TubeFace::fork, fork);
         open_face({s[0], s[1], e[1], e[0]}, path, l, r, r, fork);
     }
 
@@ -392,7 +392,7 @@ class Builder {
         }
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t next = (k + 1) % 4;
-            add_quad({face[k], face[next], base.ring[next], base.ring[k]}, TubePart::fork, fork);
+            add_quad({face[k], face[next], base.ring[next], base.ring[k]}, TubeFace::fork, fork);
         }
         base.fork = fork;
         const Vec3d way = own.direction(l.exit_arc, l.radius / 2);
@@ -403,14 +403,14 @@ class Builder {
     }
 
     /// Closes a tree at its root; returns the ring from which the tube continues.
-    Ring begin_root(std::uint32_t b, const Path& path, const RingPlan& next, TubePart part, NodeId root) {
+    Ring begin_root(std::uint32_t b, const Path& path, const RingPlan& next, TubeFace part, NodeId root) {
         RingPlan frame = next;
         frame.t = 0;
         frame.axis = path.direction(0, 0.5 * path.radius(0));
         frame.x = next.vertices == Ring{} ? perpendicular(frame.axis) : carried(next, frame.axis);
         frame.y = cross(frame.axis, frame.x);
         // A tube is identified by its next node.
-        const NodeId region = part == TubePart::start ? NodeId(root.index() + 1) : root;
+        const NodeId region = part == TubeFace::start ? NodeId(root.index() + 1) : root;
         const Ring ring = close(path, frame, start_end(b), 0, -1, part, region);
         root_cap_ = quad_count() - 1;
         return ring;
@@ -427,9 +427,9 @@ class Builder {
         if (rings.empty() && branches_[b].parent != kNoIndex) frame.look_at(base_out(b));
         const std::uint32_t first_cap = quad_count();
         add_tubes(b, front, tip, tip);
-        const Ring ring = close(path, frame, tip_end(b), tip, 1, TubePart::end, front.node);
+        const Ring ring = close(path, frame, tip_end(b), tip, 1, TubeFace::end, front.node);
         const std::uint32_t caps = quad_count() - first_cap;
-        connect(front.ring, ring, axis, TubePart::side, front.first);
+        connect(front.ring, ring, axis, TubeFace::side, front.first);
         // The paste of a lateral without own rings requires the quads of its tube to come first.
         auto& control = out_.control;
         const auto put_caps_last = [&](auto& column) {
@@ -443,7 +443,7 @@ class Builder {
 
     /// Adds the rings and quads of an end; `sign` is -1 at a root. Returns the outermost ring, about the
     /// axis.
-    Ring close(const Path& path, const RingPlan& frame, End end, double t, double sign, TubePart part,
+    Ring close(const Path& path, const RingPlan& frame, End end, double t, double sign, TubeFace part,
                NodeId region) {
         const double r = path.radius(t);
         const Vec3d node = path.position(t), outward = frame.axis * sign;

@@ -346,7 +346,7 @@ ControlMesh Paster::result() && {
         }
         return number[v];
     };
-    const auto put = [&](std::uint32_t f, TubePart part, std::uint32_t region) {
+    const auto put = [&](std::uint32_t f, TubeFace part, std::uint32_t region) {
         if (gone_[f]) return;
         const Quad& q = mesh_.quads_[f];
         out.cage.quads.push_back({vertex(q[0]), vertex(q[1]), vertex(q[2]), vertex(q[3])});
@@ -363,19 +363,19 @@ ControlMesh Paster::result() && {
             out.clip.back().quad_count *= 4;
         }
         const std::uint32_t region = main.region[q];
-        if (main.part[q] == TubePart::side) {
+        if (main.part[q] == TubeFace::side) {
             // First the lower two quads of each of the four, then the upper two.
             for (const std::uint32_t row : {0u, 1u}) {
                 for (std::uint32_t k = 0; k < 8; ++k)
-                    put(4 * (q + k / 2) + 2 * row + k % 2, TubePart::side, region + row);
+                    put(4 * (q + k / 2) + 2 * row + k % 2, TubeFace::side, region + row);
             }
             q += 4;
             continue;
         }
         for (std::uint32_t k = 0; k < 4; ++k) put(4 * q + k, main.part[q], region);
-        const bool is_last = ++q == count || main.part[q] != TubePart::fork || main.region[q] != region;
+        const bool is_last = ++q == count || main.part[q] != TubeFace::fork || main.region[q] != region;
         while (is_last && pasted < mesh_.pasted_.size() && mesh_.pasted_[pasted] == region)
-            put(4 * count + static_cast<std::uint32_t>(pasted++), TubePart::fork, region);
+            put(4 * count + static_cast<std::uint32_t>(pasted++), TubeFace::fork, region);
     }
     return out;
 }

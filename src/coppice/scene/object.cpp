@@ -24,7 +24,7 @@ std::string described(const Solid& solid) {
 
 std::string described(const Curve& path) {
     return fmt::format("path       {}\npieces     {}\nlength_m   {:.6g}\nbox        {}\n",
-                       path.closed() ? "closed" : "open", path.piece_count(), path.length(),
+                       path.closed() ? "closed" : "open", path.span_count(), path.length(),
                        box_text(path.bounds()));
 }
 

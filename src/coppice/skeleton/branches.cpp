@@ -47,8 +47,8 @@ Branch begin_branch(const Skeleton& s, NodeId first, NodeId root) {
     return out;
 }
 
-/// Part of a segment, as parameters from the parent in [0, 1].
-struct Part {
+/// SegmentRange of a segment, as parameters from the parent in [0, 1].
+struct SegmentRange {
     double from = 0, to = 1;
 
     void cut_to(double low, double high) {
@@ -65,7 +65,7 @@ struct Part {
     bool empty() const { return !(from < to); }
 };
 
-Frustum cut_part(const Frustum& cone, const Part& part) {
+Frustum cut_part(const Frustum& cone, const SegmentRange& part) {
     return {std::lerp(cone.radius_a, cone.radius_b, part.from),
             std::lerp(cone.radius_a, cone.radius_b, part.to), cone.length * (part.to - part.from)};
 }
@@ -95,23 +95,23 @@ class TimberSum {
     const Branch& find_branch(NodeId n) const { return table_.branches[table_.branch_of[n.index()]]; }
 
     /// Returns the part of a segment above the stump: all of it if it does not belong to the stem.
-    Part above_stump(NodeId n) const {
-        Part out;
+    SegmentRange above_stump(NodeId n) const {
+        SegmentRange out;
         if (!find_branch(n).is_stem()) return out;
         const Segment segment = s_.segment(n);
         out.cut_to_min(place(s_, roots_[n.index()]).z + stump_height_, segment.a.z, segment.b.z);
         return out;
     }
-    Part as_thick(NodeId n) const {
-        Part out;
+    SegmentRange as_thick(NodeId n) const {
+        SegmentRange out;
         const Frustum cone = frustum(s_.segment(n));
         out.cut_to_min(top_diameter_, 2 * cone.radius_a, 2 * cone.radius_b);
         return out;
     }
 
     void add_wood(NodeId n) {
-        Part part = above_stump(n);
-        const Part thick = as_thick(n);
+        SegmentRange part = above_stump(n);
+        const SegmentRange thick = as_thick(n);
         part.cut_to(thick.from, thick.to);
         if (!part.empty())
             trees_[find_branch(n).tree].volume += cut_part(frustum(s_.segment(n)), part).volume();
@@ -124,7 +124,7 @@ class TimberSum {
             axis.push_back(n);
         while (!axis.empty() && as_thick(axis.back()).empty()) axis.pop_back();
         for (const NodeId n : axis) {
-            Part part = above_stump(n);
+            SegmentRange part = above_stump(n);
             if (n == axis.back()) part.cut_to(0, as_thick(n).to);
             if (part.empty()) continue;
             const Frustum cone = cut_part(frustum(s_.segment(n)), part);

@@ -114,7 +114,7 @@ class SegmentHash {
     void insert(std::uint32_t node, Vec3d a, Vec3d b, double radius) {
         const int level = choose_level(radius);
         if (level >= levels_) levels_ = level + 1;
-        for_each_piece(a, b, radius, [&](const Range& box) {
+        for_each_chunk(a, b, radius, [&](const Range& box) {
             for_each_cell(box, level, [&](std::uint64_t key) {
                 const auto [cell, is_new] = head_.try_emplace(key, kEnd);
                 entries_.push_back({node, cell->second});
@@ -127,7 +127,7 @@ class SegmentHash {
     template <class Visit>
     void for_each_near(Vec3d a, Vec3d b, double radius, const Visit& visit) {
         ++stamp_;
-        for_each_piece(a, b, radius, [&](const Range& box) {
+        for_each_chunk(a, b, radius, [&](const Range& box) {
             for (int level = 0; level < levels_; ++level) {
                 for_each_cell(box, level, [&](std::uint64_t key) {
                     const auto cell = head_.find(key);
@@ -155,7 +155,7 @@ class SegmentHash {
     }
 
     template <class Visit>
-    static void for_each_piece(Vec3d a, Vec3d b, double radius, const Visit& visit) {
+    static void for_each_chunk(Vec3d a, Vec3d b, double radius, const Visit& visit) {
         const int pieces = 1 + static_cast<int>(distance(a, b) / (4 * radius));
         const double reach = kClearance * radius;
         for (int i = 0; i < pieces; ++i) {

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "coppice/cuda/batch/quad_piece_internal.h"
+#include "coppice/cuda/batch/quad_tile_internal.h"
 #include "coppice/cuda/device.h"
 
 namespace coppice::cuda {
 namespace {
 
 // Adds tiles of one job, each with at most `most` quads.
-void add_pieces(std::vector<BatchRound>& out, IndexRange job, const QuadJob& of, std::size_t most) {
+void add_tiles(std::vector<BatchRound>& out, IndexRange job, const QuadJob& of, std::size_t most) {
     const std::size_t all = of.cage.face_count();
     for (std::size_t begin = 0; begin < all;) {
-        const std::size_t end = QuadPiece::cut(of.clips, {begin, all}, begin + most);
+        const std::size_t end = QuadTile::cut(of.clips, {begin, all}, begin + most);
         out.push_back({job, true, {begin, end}});
         begin = end;
     }
@@ -37,7 +37,7 @@ std::vector<BatchRound> plan_batch(std::span<const QuadJob> jobs, std::span<cons
             const double share =
                 static_cast<double>(free - bytes[i].field) / (1.2 * static_cast<double>(bytes[i].job));
             const auto most = static_cast<std::size_t>(share * jobs[i].cage.face_count());
-            add_pieces(out, {i, i + 1}, jobs[i], std::max(most, kMin));
+            add_tiles(out, {i, i + 1}, jobs[i], std::max(most, kMin));
             may_join = false;
         } else if (may_join && taken + bytes[i].sum() <= free && vertices + here < kMaxVertices) {
             out.back().jobs.end = i + 1;
@@ -53,13 +53,13 @@ std::vector<BatchRound> plan_batch(std::span<const QuadJob> jobs, std::span<cons
     return out;
 }
 
-std::array<BatchRound, 2> split(const BatchRound& piece, const QuadJob& job, std::uint64_t needed,
+std::array<BatchRound, 2> split(const BatchRound& tile, const QuadJob& job, std::uint64_t needed,
                                 std::uint64_t room) {
-    const IndexRange quads = piece.quads;
-    const std::size_t middle = QuadPiece::cut(job.clips, quads, quads.begin + quads.size() / 2);
+    const IndexRange quads = tile.quads;
+    const std::size_t middle = QuadTile::cut(job.clips, quads, quads.begin + quads.size() / 2);
     if (middle == quads.end) require_room(room, needed);
-    return {BatchRound{piece.jobs, true, {quads.begin, middle}},
-            BatchRound{piece.jobs, true, {middle, quads.end}}};
+    return {BatchRound{tile.jobs, true, {quads.begin, middle}},
+            BatchRound{tile.jobs, true, {middle, quads.end}}};
 }
 
 }  // namespace coppice::cuda

@@ -13,8 +13,8 @@ namespace coppice::cuda {
 /// Work of one round: some consecutive jobs processed as one, or a tile of one job.
 struct BatchRound {
     IndexRange jobs;        ///< among the given jobs
-    bool is_piece = false;  ///< only some quads of one job
-    IndexRange quads = {};  ///< quads of the cage of that job: see QuadPiece
+    bool is_tile = false;   ///< only some quads of one job
+    IndexRange quads = {};  ///< quads of the cage of that job: see QuadTile
 };
 
 /// [bytes] Memory of a job: see bytes_of_job() and bytes_of_field().
@@ -31,7 +31,7 @@ std::vector<BatchRound> plan_batch(std::span<const QuadJob> jobs, std::span<cons
 
 /// Returns the two halves of a tile that is too large. Throws DeviceError with the required memory `needed`
 /// [bytes] if it cannot be divided further.
-std::array<BatchRound, 2> split(const BatchRound& piece, const QuadJob& job, std::uint64_t needed,
+std::array<BatchRound, 2> split(const BatchRound& tile, const QuadJob& job, std::uint64_t needed,
                                 std::uint64_t room);
 
 }  // namespace coppice::cuda

@@ -13,7 +13,7 @@
 #include "coppice/base/parallel.h"
 #include "coppice/cuda/batch/batch_plan_internal.h"
 #include "coppice/cuda/batch/joined_jobs_internal.h"
-#include "coppice/cuda/batch/quad_piece_internal.h"
+#include "coppice/cuda/batch/quad_tile_internal.h"
 #include "coppice/cuda/lists/lists_stages_internal.h"
 #include "coppice/cuda/quads/project_field_internal.h"
 
@@ -84,8 +84,8 @@ class QuadRun {
         }
         while (!rounds_.empty()) {
             exec_.wait();
-            if (rounds_.front().is_piece) {
-                collect_piece(out, reports);
+            if (rounds_.front().is_tile) {
+                collect_tile(out, reports);
             } else {
                 collect(out, reports);
             }
@@ -158,7 +158,7 @@ class QuadRun {
             std::uint64_t sum = kSlackBytes;
             for (std::size_t i = round.jobs.begin; i < round.jobs.end; ++i) sum += bytes[i].sum();
             // Tiles use all available memory: one may be larger than the previous one.
-            reserved_ = std::max(reserved_, round.is_piece ? room : sum);
+            reserved_ = std::max(reserved_, round.is_tile ? room : sum);
         }
     }
 
@@ -178,12 +178,12 @@ class QuadRun {
     // Starts the first of the remaining rounds.
     void start() {
         send_fields(rounds_.front().jobs);
-        const QuadJob& job = rounds_.front().is_piece ? next_piece() : next_jobs();
+        const QuadJob& job = rounds_.front().is_tile ? next_tile() : next_jobs();
         stages_.emplace(exec_, job);
         stages_->refine();
         cuda::project(*stages_, kernel_, field_);
         counts_ = stages_->count_projected();
-        if (!rounds_.front().is_piece) folds_ = stages_->find_folds();
+        if (!rounds_.front().is_tile) folds_ = stages_->find_folds();
         ++round_count_;
     }
 
@@ -204,14 +204,14 @@ class QuadRun {
         return joined_->job();
     }
 
-    const QuadJob& next_piece() {
+    const QuadJob& next_tile() {
         for (;;) {
             const BatchRound round = rounds_.front();
             const QuadJob& whole = jobs_[round.jobs.begin];
-            piece_.emplace(whole, round.quads);
+            tile_.emplace(whole, round.quads);
             const std::uint64_t needed =
-                kSlackBytes + bytes_[round.jobs.begin].field + bytes_of_job(piece_->job());
-            if (needed <= reserved_) return piece_->job();
+                kSlackBytes + bytes_[round.jobs.begin].field + bytes_of_job(tile_->job());
+            if (needed <= reserved_) return tile_->job();
             const auto [half, other_half] = split(round, whole, needed, reserved_);
             rounds_.front() = other_half;
             rounds_.push_front(half);
@@ -243,7 +243,7 @@ class QuadRun {
         });
     }
 
-    void collect_piece(std::span<const QuadPlaces> out, std::vector<QuadReport>& reports) {
+    void collect_tile(std::span<const QuadPlaces> out, std::vector<QuadReport>& reports) {
         const std::size_t job = rounds_.front().jobs.begin;
         reports[job].projected += stages_->make_reports(counts_).front();
         reports[job].is_whole = false;
@@ -251,7 +251,7 @@ class QuadRun {
         const auto put = [&](std::span<const Vec3> from, Buffer<Vec3>* to) {
             if (to == nullptr) return;
             exec_.download(from, std::span(points));
-            piece_->put(points, *to);
+            tile_->put(points, *to);
         };
         put(stages_->positions(), out[job].positions);
         put(stages_->anchors(), out[job].anchors);
@@ -272,7 +272,7 @@ class QuadRun {
     FieldArrays field_;
     std::optional<Contacts> contacts_;
     std::optional<JoinedJobs> joined_;
-    std::optional<QuadPiece> piece_;
+    std::optional<QuadTile> tile_;
     std::optional<QuadStages<Exec>> stages_;
     typename QuadStages<Exec>::ProjectionCounts counts_;
     typename QuadStages<Exec>::FoldSearch folds_;

@@ -20,17 +20,17 @@ class Arena {
 
     /// Amount of memory taken; see rewind().
     struct Mark {
-        std::size_t piece = 0, used = 0, total = 0;
+        std::size_t block = 0, used = 0, total = 0;
         friend bool operator==(const Mark&, const Mark&) = default;
     };
 
     /// Returns memory aligned to 256 bytes.
     std::byte* take(std::size_t bytes) {
         bytes = (bytes + kAlignment - 1) / kAlignment * kAlignment;
-        while (at_.piece < pieces_.size() && pieces_[at_.piece].size - at_.used < bytes)
-            at_ = {at_.piece + 1, 0, at_.total};
-        if (at_.piece == pieces_.size()) add_piece(bytes);
-        std::byte* const out = pieces_[at_.piece].begin + at_.used;
+        while (at_.block < blocks_.size() && blocks_[at_.block].size - at_.used < bytes)
+            at_ = {at_.block + 1, 0, at_.total};
+        if (at_.block == blocks_.size()) add_block(bytes);
+        std::byte* const out = blocks_[at_.block].begin + at_.used;
         at_.used += bytes;
         at_.total += bytes;
         greatest_ = std::max(greatest_, at_.total);
@@ -41,9 +41,9 @@ class Arena {
     void rewind(const Mark& mark) { at_ = mark; }
     /// Releases everything.
     void reset() {
-        if (pieces_.size() > 1) {
+        if (blocks_.size() > 1) {
             release_all();
-            add_piece(greatest_);
+            add_block(greatest_);
         }
         at_ = {};
         greatest_ = 0;
@@ -52,11 +52,11 @@ class Arena {
     void reserve(std::size_t bytes) {
         if (size() >= bytes) return;
         release_all();
-        add_piece(bytes);
+        add_block(bytes);
     }
     std::size_t size() const {  ///< [bytes] taken or not
         std::size_t sum = 0;
-        for (const Piece& piece : pieces_) sum += piece.size;
+        for (const Block& block : blocks_) sum += block.size;
         return sum;
     }
     std::size_t largest() const { return greatest_; }  ///< [bytes] maximum taken at once since the last reset
@@ -65,22 +65,22 @@ class Arena {
     static constexpr std::size_t kAlignment = 256;
     static constexpr std::size_t kMin = std::size_t{1} << 20;
 
-    struct Piece {
+    struct Block {
         std::byte* begin;
         std::size_t size;
     };
     void release_all() {
-        for (const Piece& piece : pieces_) Kind::release(piece.begin);
-        pieces_.clear();
+        for (const Block& block : blocks_) Kind::release(block.begin);
+        blocks_.clear();
         at_ = {};
     }
-    void add_piece(std::size_t bytes) {
+    void add_block(std::size_t bytes) {
         const std::size_t size = std::max(bytes, kMin);
-        pieces_.push_back({Kind::allocate(size), size});
-        at_ = {pieces_.size() - 1, 0, at_.total};
+        blocks_.push_back({Kind::allocate(size), size});
+        at_ = {blocks_.size() - 1, 0, at_.total};
     }
 
-    std::vector<Piece> pieces_;
+    std::vector<Block> blocks_;
     Mark at_;
     std::size_t greatest_ = 0;
 };

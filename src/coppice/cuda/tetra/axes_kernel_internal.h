@@ -42,7 +42,7 @@ struct PassingAxes {
         const tetra_kernel::AxisLine line(axis);
         for (std::uint32_t t = refinement.first[r]; t < refinement.first[r + 1]; ++t) {
             const tetra_kernel::Corners corners =
-                tetra_kernel::get_corners(view.positions.data(), view.parts[t]);
+                tetra_kernel::get_corners(view.positions.data(), view.elements[t]);
             if (!tetra_kernel::HeldTetra(corners).is_near(line)) continue;
             tetra_kernel::visit_held(tetra_kernel::WeightFunctions(corners), lines[view.traits[t].diagonal],
                                      axis, [&](std::uint32_t local) { use(t, local, axis); });

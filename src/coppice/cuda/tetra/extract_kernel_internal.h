@@ -29,7 +29,7 @@ struct FineEdge {
 
 COPPICE_HOST_DEVICE inline FineEdge fine_edge(const DeviceRefinement& r, std::uint32_t e) {
     const FinePlace place = r.view.edges.place(e);
-    const OwnedPart owner = r.owner(place);
+    const OwnedElement owner = r.owner(place);
     const PatternView& pattern = r.view.pattern(owner.tetra);
     const auto ends = pattern.edges[pattern.first_edge[owner.group] + place.index];
     return {owner.tetra, ends, r.view.vertex(owner.tetra, ends[0]), r.view.vertex(owner.tetra, ends[1])};
@@ -102,7 +102,7 @@ struct NameVertices {
         const auto count = static_cast<std::uint32_t>(moved.size());
         const FinePlace place = i < count ? refinement.view.vertices.place(moved[i])
                                           : refinement.view.edges.place(cuts[i - count]);
-        const OwnedPart owner = refinement.owner(place);
+        const OwnedElement owner = refinement.owner(place);
         out[i] = {owner.tetra, owner.group, place.index};
     }
 };

@@ -8,10 +8,10 @@
 
 #include "coppice/base/context.h"
 #include "coppice/cuda/lists/touching_stages_internal.h"
+#include "coppice/cuda/tetra/components_stages_internal.h"
 #include "coppice/cuda/tetra/cut_convolution.h"
 #include "coppice/cuda/tetra/extract_stages_internal.h"
 #include "coppice/cuda/tetra/march_input_internal.h"
-#include "coppice/cuda/tetra/parts_stages_internal.h"
 #include "coppice/cuda/tetra/samples_stages_internal.h"
 #include "coppice/cuda/tetra/unsnap_stages_internal.h"
 #include "coppice/tetra/march/march.h"
@@ -49,7 +49,7 @@ DeviceMarch march_own(Exec& exec, const DeviceRefinement& refinement, const Pass
                                   exec.upload(std::span<const tetra_kernel::Cut>(tetra_kernel::kCuts))};
     const Unsnapped unsnapped = unsnap(exec, crossings, samples);
     out.rounds = unsnapped.rounds;
-    if (refinement.is_piece())
+    if (refinement.is_tile())
         exec.each("own tetrahedra", unsnapped.crossed.size(), KeepOwnTetra{refinement, unsnapped.crossed});
     const auto crossed = list_bits(exec, unsnapped.crossed);
     out.vertices = place_vertices(exec, crossings, crossed, at, refinements);

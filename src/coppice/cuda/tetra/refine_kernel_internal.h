@@ -49,7 +49,7 @@ struct DescribeTetra {
     std::span<const Vec3> positions;
     std::span<const Tetra> tetra;
     int levels;
-    std::span<TetraParts> parts;
+    std::span<TetraElements> elements;
     std::span<TetraTraits> traits;
     std::span<std::uint32_t> vertex;  ///< of every corner
     std::span<std::uint32_t> corner;  ///< 0, 1, 2 ...
@@ -61,9 +61,9 @@ struct DescribeTetra {
         for (std::uint32_t k = 0; k < 4; ++k) fine = fine && own[k] < positions.size();
         fine = fine && tetra_kernel::is_sound(tetra_kernel::get_corners(positions.data(), own));
         if (!fine) raise_to(faulty[0], 1u);
-        if (fine) tetra_kernel::describe_tetra(positions.data(), own, levels, parts[t], traits[t]);
+        if (fine) tetra_kernel::describe_tetra(positions.data(), own, levels, elements[t], traits[t]);
         for (std::uint32_t k = 0; k < 4; ++k) {
-            vertex[4 * t + k] = fine ? parts[t][k] : 0;
+            vertex[4 * t + k] = fine ? elements[t][k] : 0;
             corner[4 * t + k] = 4 * t + k;
         }
     }
@@ -110,8 +110,8 @@ struct SharedAbove {
 
     /// Finds the common vertices from the vertex that is corner `c` of the first, and corner `d` of the
     /// second.
-    COPPICE_HOST_DEVICE static SharedAbove find(const TetraParts& one, std::uint32_t c,
-                                                const TetraParts& other, std::uint32_t d) {
+    COPPICE_HOST_DEVICE static SharedAbove find(const TetraElements& one, std::uint32_t c,
+                                                const TetraElements& other, std::uint32_t d) {
         SharedAbove out{1u << c, 1u << (4 * c + d)};
         // Corners are ascending.
         for (std::uint32_t i = c + 1; i < 4; ++i) {
@@ -144,7 +144,7 @@ COPPICE_HOST_DEVICE constexpr std::uint32_t groups_above(std::uint32_t corner) {
 /// Finds the elements that each corner owns; indexed by position in the rows.
 struct FindOwned {
     VertexStars stars;
-    std::span<const TetraParts> parts;
+    std::span<const TetraElements> elements;
     OwnedByCorner owned;
     std::span<std::uint64_t> count;   ///< number of edges, plus 2^32 times the number of faces
     std::span<std::uint32_t> faulty;  ///< set to 1 if a face has a third tetrahedron
@@ -173,7 +173,7 @@ struct FindOwned {
     /// Returns the groups of one tetrahedron that another one around the same vertex shares, as bits.
     COPPICE_HOST_DEVICE std::uint32_t groups_shared(std::uint32_t one, std::uint32_t other) const {
         const std::uint32_t shared =
-            SharedAbove::find(parts[one / 4], one % 4, parts[other / 4], other % 4).here;
+            SharedAbove::find(elements[one / 4], one % 4, elements[other / 4], other % 4).here;
         std::uint32_t out = 0;
         for (std::uint32_t g = 4; g < TetraPattern::kInside; ++g)
             out |= (shared & group_corners(g)) == group_corners(g) ? 1u << g : 0;
@@ -183,19 +183,19 @@ struct FindOwned {
 
 /// Numbers the edges and faces that have each corner as their smallest vertex; indexed by position in the
 /// rows.
-struct NumberParts {
+struct NumberElements {
     VertexStars stars;
     OwnedByCorner owned;
     std::span<const std::uint64_t> first;  ///< number of edges and faces owned before, by position
-    std::span<TetraParts> parts;           ///< vertices are already set
+    std::span<TetraElements> elements;     ///< vertices are already set
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t s) const {
         const std::uint32_t at = stars.corners[s], c = at % 4;
-        TetraParts& here = parts[at / 4];
+        TetraElements& here = elements[at / 4];
         std::uint32_t open = groups_above(c) & (OwnedByCorner::kEdges | OwnedByCorner::kFaces);
         for (std::uint32_t q = stars.first[stars.vertex[s]]; open != 0; ++q) {
             const std::uint32_t other = stars.corners[q];
-            const SharedAbove shared = SharedAbove::find(here, c, parts[other / 4], other % 4);
+            const SharedAbove shared = SharedAbove::find(here, c, elements[other / 4], other % 4);
             for (std::uint32_t g = 4; g < TetraPattern::kInside; ++g) {
                 const std::uint32_t there = (open >> g & 1) != 0 ? shared.corners_there(g) : 0;
                 if (there == 0) continue;
@@ -223,21 +223,21 @@ struct BeginShortest {
 struct FindShortest {
     VertexStars stars;
     OwnedByCorner owned;
-    std::span<const TetraParts> parts;
+    std::span<const TetraElements> elements;
     std::span<const TetraTraits> traits;
-    std::array<std::uint32_t, 4> first_part;  ///< see RefinementView
-    std::span<float> shortest_at;             ///< see RefinementView
+    std::array<std::uint32_t, 4> first_element;  ///< see RefinementView
+    std::span<float> shortest_at;                ///< see RefinementView
 
     COPPICE_HOST_DEVICE void operator()(std::uint32_t s) const {
         const std::uint32_t at = stars.corners[s], v = stars.vertex[s];
         const std::uint32_t own = owned.bits[at] & ((1u << TetraPattern::kInside) - 1);
         if (own == 0) return;
-        const TetraParts& here = parts[at / 4];
+        const TetraElements& here = elements[at / 4];
         std::array<float, TetraPattern::kInside> shortest{};
         for (float& l : shortest) l = std::numeric_limits<float>::infinity();
         for (std::uint32_t q = stars.first[v]; q < stars.first[v + 1]; ++q) {
             const std::uint32_t other = stars.corners[q] / 4;
-            const SharedAbove shared = SharedAbove::find(here, at % 4, parts[other], stars.corners[q] % 4);
+            const SharedAbove shared = SharedAbove::find(here, at % 4, elements[other], stars.corners[q] % 4);
             for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
                 const std::uint32_t there = (own >> g & 1) != 0 ? shared.corners_there(g) : 0;
                 if (there == 0) continue;
@@ -246,7 +246,7 @@ struct FindShortest {
             }
         }
         for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
-            if ((own >> g & 1) != 0) shortest_at[first_part[part_kind(g)] + here[g]] = shortest[g];
+            if ((own >> g & 1) != 0) shortest_at[first_element[element_kind(g)] + here[g]] = shortest[g];
         }
     }
 };

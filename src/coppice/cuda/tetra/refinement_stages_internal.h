@@ -18,13 +18,13 @@
 namespace coppice::cuda {
 
 /// A coarse element in the tetrahedron that owns it.
-struct OwnedPart {
+struct OwnedElement {
     std::uint32_t tetra;  ///< coarse tetrahedron
     std::uint32_t group;  ///< see TetraPattern
 };
 
 /// Coarse vertices, edges and faces.
-using OwnedParts = std::array<std::span<const OwnedPart>, 3>;
+using OwnedElements = std::array<std::span<const OwnedElement>, 3>;
 
 /// A refinement on a device, with additional data for kernels with one thread per fine vertex or per fine
 /// edge.
@@ -34,20 +34,20 @@ struct DeviceRefinement {
     std::span<const Tetra> tetra;           ///< coarse tetrahedra in the order of vertices of the mesh
     std::span<const std::uint32_t> region;  ///< of every coarse tetrahedron
     std::span<const std::uint32_t> first;   ///< first tetrahedron of every region, plus the end
-    OwnedParts of;                          ///< by number; unset for vertices without tetrahedra
+    OwnedElements of;                       ///< by number; unset for vertices without tetrahedra
     /// In the order of their tetrahedra. Consecutive threads should process fine vertices in this order: 32
     /// consecutive vertices are in about 13 regions of the field by number, and in 3 by this order.
-    OwnedParts in_order;
+    OwnedElements in_order;
     FineNumbers ordered;              ///< numbering of the fine vertices in that order
     std::uint32_t ordered_count = 0;  ///< without vertices that have no tetrahedra
     std::uint32_t vertex_count = 0;   ///< fine
     std::uint32_t edge_count = 0;     ///< fine
     std::uint32_t tetra_count = 0;    ///< fine
     float clearance = 0;              ///< see TetraMesh
-    /// The coarse tetrahedra for which a portion of a surface is requested: all, or those of a TetraPiece.
+    /// The coarse tetrahedra for which a portion of a surface is requested: all, or those of a TetraTile.
     /// @{
     std::uint32_t own_begin = 0, own_end = ~0u;
-    bool is_piece() const { return own_begin > 0 || own_end != ~0u; }
+    bool is_tile() const { return own_begin > 0 || own_end != ~0u; }
     COPPICE_HOST_DEVICE bool is_own(std::uint32_t coarse) const {
         return own_begin <= coarse && coarse < own_end;
     }
@@ -66,8 +66,8 @@ struct DeviceRefinement {
     /// @}
 
     /// Returns the coarse tetrahedron that owns the element that contains a fine vertex or edge.
-    COPPICE_HOST_DEVICE OwnedPart owner(const FinePlace& place) const {
-        if (place.kind == TetraPartKind::inside) return {place.part, TetraPattern::kInside};
+    COPPICE_HOST_DEVICE OwnedElement owner(const FinePlace& place) const {
+        if (place.kind == TetraElementKind::inside) return {place.part, TetraPattern::kInside};
         return of[static_cast<std::uint32_t>(place.kind)][place.part];
     }
     /// Returns whether a requested tetrahedron owns a fine vertex.
@@ -95,7 +95,7 @@ struct KeepOwnVertices {
 template <class Exec>
 std::uint32_t count_own(Exec& exec, const DeviceRefinement& refinement,
                         std::span<const std::uint64_t> vertices) {
-    if (!refinement.is_piece()) return rank_bits(exec, vertices).count;
+    if (!refinement.is_tile()) return rank_bits(exec, vertices).count;
     const auto mark = exec.mark();
     const auto kept = exec.template array<std::uint64_t>(vertices.size());
     exec.each("own vertices", kept.size(), KeepOwnVertices{refinement, vertices, kept});
@@ -124,22 +124,22 @@ struct CountOwned {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
         for (std::uint32_t kind = 0; kind < 3; ++kind) count[kind][t] = 0;
         for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g)
-            count[part_kind(g)][t] += traits[t].owned >> g & 1;
+            count[element_kind(g)][t] += traits[t].owned >> g & 1;
     }
 };
 
 /// Lists these elements, and stores their owners by number.
 struct NoteOwners {
-    std::span<const TetraParts> parts;                    ///< of every coarse tetrahedron
+    std::span<const TetraElements> elements;              ///< of every coarse tetrahedron
     std::span<const TetraTraits> traits;                  ///< of every coarse tetrahedron
     std::array<std::span<const std::uint32_t>, 3> first;  ///< of every coarse tetrahedron, by kind
-    std::array<std::span<OwnedPart>, 3> of, in_order;     ///< see DeviceRefinement
+    std::array<std::span<OwnedElement>, 3> of, in_order;  ///< see DeviceRefinement
     COPPICE_HOST_DEVICE void operator()(std::uint32_t t) const {
         std::array<std::uint32_t, 3> next{first[0][t], first[1][t], first[2][t]};
         for (std::uint32_t g = 0; g < TetraPattern::kInside; ++g) {
             if ((traits[t].owned >> g & 1) == 0) continue;
-            const std::uint32_t kind = part_kind(g);
-            of[kind][parts[t][g]] = {t, g};
+            const std::uint32_t kind = element_kind(g);
+            of[kind][elements[t][g]] = {t, g};
             in_order[kind][next[kind]++] = {t, g};
         }
     }
@@ -156,15 +156,15 @@ struct NoteRows {
 
 /// Finds the owners of all elements of a refinement with complete other arrays.
 template <class Exec>
-void find_owners(Exec& exec, const std::array<std::size_t, 3>& parts, DeviceRefinement& out) {
-    const std::size_t tetra = out.view.parts.size();
+void find_owners(Exec& exec, const std::array<std::size_t, 3>& elements, DeviceRefinement& out) {
+    const std::size_t tetra = out.view.elements.size();
     CountOwned count{out.view.traits, {}};
-    NoteOwners note{out.view.parts, out.view.traits, {}, {}, {}};
+    NoteOwners note{out.view.elements, out.view.traits, {}, {}, {}};
     for (std::size_t k = 0; k < 3; ++k) {
         count.count[k] = exec.template array<std::uint32_t>(tetra + 1);
         note.first[k] = count.count[k];
-        note.of[k] = exec.template array<OwnedPart>(parts[k]);
-        note.in_order[k] = exec.template array<OwnedPart>(parts[k]);
+        note.of[k] = exec.template array<OwnedElement>(elements[k]);
+        note.in_order[k] = exec.template array<OwnedElement>(elements[k]);
         out.of[k] = note.of[k];
     }
     exec.each("owners", tetra, count);
@@ -202,16 +202,16 @@ PatternView upload_pattern(Exec& exec, const PatternView& p) {
 
 /// Describes the coarse tetrahedra, and finds those around each vertex. Returns false if some are invalid.
 template <class Exec>
-bool describe_coarse(Exec& exec, std::span<TetraParts> parts, std::span<TetraTraits> traits,
+bool describe_coarse(Exec& exec, std::span<TetraElements> elements, std::span<TetraTraits> traits,
                      DeviceRefinement& out) {
     const std::size_t vertices = out.view.positions.size(), corners = 4 * out.tetra.size();
     const auto faulty = exec.template array<std::uint32_t>(1);
     const auto vertex = exec.template array<std::uint32_t>(corners);
     const auto corner = exec.template array<std::uint32_t>(corners);
     exec.clear(faulty);
-    exec.each(
-        "describe tetrahedra", out.tetra.size(),
-        DescribeTetra{out.view.positions, out.tetra, out.view.levels, parts, traits, vertex, corner, faulty});
+    exec.each("describe tetrahedra", out.tetra.size(),
+              DescribeTetra{out.view.positions, out.tetra, out.view.levels, elements, traits, vertex, corner,
+                            faulty});
     exec.sort_pairs(vertex, corner, static_cast<int>(std::bit_width(vertices)));
     const auto first = exec.template array<std::uint32_t>(vertices + 1);
     exec.each("vertex stars", vertices + 1, FindRows{vertex, first});
@@ -224,27 +224,27 @@ bool describe_coarse(Exec& exec, std::span<TetraParts> parts, std::span<TetraTra
 /// Finds and numbers the edges and faces of the coarse mesh. Returns the number of edges plus 2^32 times the
 /// number of faces, or no value if a face has more than two tetrahedra.
 template <class Exec>
-std::optional<std::uint64_t> find_parts(Exec& exec, std::span<TetraParts> parts,
-                                        std::span<TetraTraits> traits, DeviceRefinement& out) {
+std::optional<std::uint64_t> find_elements(Exec& exec, std::span<TetraElements> elements,
+                                           std::span<TetraTraits> traits, DeviceRefinement& out) {
     const std::size_t corners = out.stars.corners.size(), vertices = out.view.positions.size();
     const OwnedByCorner owned{exec.template array<std::uint32_t>(corners)};
     const auto faulty = exec.template array<std::uint32_t>(1);
     const auto first = exec.template array<std::uint64_t>(corners + 1);
     exec.clear(faulty);
-    exec.each("find parts", corners, FindOwned{out.stars, parts, owned, first, faulty});
+    exec.each("find elements", corners, FindOwned{out.stars, elements, owned, first, faulty});
     const std::uint64_t counts = place_counts(exec, first);
     std::uint32_t found = 0;
     exec.download(std::span<const std::uint32_t>(faulty), std::span(&found, 1));
     if (found != 0) return {};
-    exec.each("number parts", corners, NumberParts{out.stars, owned, first, parts});
+    exec.each("number elements", corners, NumberElements{out.stars, owned, first, elements});
     exec.each("owners", out.tetra.size(), NoteOwned{owned, traits});
     const auto edges = static_cast<std::uint32_t>(counts), faces = static_cast<std::uint32_t>(counts >> 32);
     const auto shortest = exec.template array<float>(vertices + edges + faces);
     const auto first_face = static_cast<std::uint32_t>(vertices) + edges;
-    out.view.first_part = {0, static_cast<std::uint32_t>(vertices), first_face, first_face + faces};
+    out.view.first_element = {0, static_cast<std::uint32_t>(vertices), first_face, first_face + faces};
     exec.each("shortest edges", vertices, BeginShortest{shortest});
     exec.each("shortest edges", corners,
-              FindShortest{out.stars, owned, parts, traits, out.view.first_part, shortest});
+              FindShortest{out.stars, owned, elements, traits, out.view.first_element, shortest});
     out.view.shortest_at = shortest;
     return counts;
 }
@@ -275,10 +275,10 @@ DeviceRefinement upload_coarse(Exec& exec, const TetraMesh& mesh, int levels, co
 /// Numbers all fine elements for a coarse mesh with these numbers of vertices, edges, faces and tetrahedra.
 /// Returns false if that exceeds the limit of TetraRefinement; throws DeviceError if it exceeds the limit of
 /// a device.
-inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinement& out) {
-    const std::uint64_t vertices = out.view.vertices.begin_kinds(parts);
-    const std::uint64_t tetra = parts[3] << 3 * out.view.levels;
-    out.view.edge_count = out.view.edges.begin_kinds(parts);
+inline bool number_fine(const std::array<std::uint64_t, 4>& elements, DeviceRefinement& out) {
+    const std::uint64_t vertices = out.view.vertices.begin_kinds(elements);
+    const std::uint64_t tetra = elements[3] << 3 * out.view.levels;
+    out.view.edge_count = out.view.edges.begin_kinds(elements);
     if (vertices > TetraRefinement::kMaxVertices) return false;
     // A scan uses 31 bits.
     constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max() - 1;
@@ -295,12 +295,12 @@ inline bool number_fine(const std::array<std::uint64_t, 4>& parts, DeviceRefinem
 template <class Exec>
 bool refine(Exec& exec, DeviceRefinement& out) {
     const std::size_t tetra = out.tetra.size(), vertices = out.view.positions.size();
-    const auto parts = exec.template array<TetraParts>(tetra);
+    const auto elements = exec.template array<TetraElements>(tetra);
     const auto traits = exec.template array<TetraTraits>(tetra);
-    out.view.parts = parts;
+    out.view.elements = elements;
     out.view.traits = traits;
-    if (!describe_coarse(exec, parts, traits, out)) return false;
-    const auto counts = find_parts(exec, parts, traits, out);
+    if (!describe_coarse(exec, elements, traits, out)) return false;
+    const auto counts = find_elements(exec, elements, traits, out);
     if (!counts) return false;
     const std::uint64_t edges = *counts & 0xffffffffu, faces = *counts >> 32;
     if (!number_fine({vertices, edges, faces, tetra}, out)) return false;

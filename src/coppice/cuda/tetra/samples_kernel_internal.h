@@ -29,11 +29,11 @@ struct FineVertex {
 /// Returns the i-th fine vertex in order: see DeviceRefinement.
 COPPICE_HOST_DEVICE inline FineVertex fine_vertex(const DeviceRefinement& r, std::uint32_t i) {
     const FinePlace place = r.ordered.place(i);
-    const OwnedPart owner = place.kind == TetraPartKind::inside
-                                ? OwnedPart{place.part, TetraPattern::kInside}
-                                : r.in_order[static_cast<std::uint32_t>(place.kind)][place.part];
+    const OwnedElement owner = place.kind == TetraElementKind::inside
+                                   ? OwnedElement{place.part, TetraPattern::kInside}
+                                   : r.in_order[static_cast<std::uint32_t>(place.kind)][place.part];
     const std::uint32_t t = owner.tetra;
-    return {r.view.vertices.first(t, r.view.parts[t], owner.group) + place.index, r.region[t],
+    return {r.view.vertices.first(t, r.view.elements[t], owner.group) + place.index, r.region[t],
             r.view.shortest_edge(t, owner.group),
             r.view.position(t, r.view.pattern(t).first_vertex[owner.group] + place.index)};
 }
@@ -124,7 +124,7 @@ struct MoveShallow {
         count[rank] = shallow.test(v) ? 1 : 0;
         if (count[rank] == 1) {
             const FinePlace part = refinement.view.vertices.place(v);
-            const OwnedPart owner = refinement.owner(part);
+            const OwnedElement owner = refinement.owner(part);
             const std::uint32_t t = owner.tetra;
             const Vec3 from = refinement.view.position(
                 t, refinement.view.pattern(t).first_vertex[owner.group] + part.index);
@@ -187,9 +187,9 @@ struct MarkOpenFaces {
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const RefinementView& view = refinement.view;
         const std::uint32_t t = i / 4;
-        const TetraParts& parts = view.parts[t];
+        const TetraElements& elements = view.elements[t];
         std::uint32_t opposite = 0;
-        while (parts[opposite] != refinement.tetra[t][i % 4]) ++opposite;
+        while (elements[opposite] != refinement.tetra[t][i % 4]) ++opposite;
         if (view.shortest_edge(t, 10 + opposite) != 0) return;
         const PatternView& pattern = view.pattern(t);
         bool any = false, all = true;

@@ -1,6 +1,6 @@
 #include <functional>
 
-#include "coppice/cuda/batch/march_pieces_internal.h"
+#include "coppice/cuda/batch/march_tiles_internal.h"
 #include "coppice/cuda/exec/cuda_executor.cuh"
 #include "coppice/cuda/tetra/device_marcher.h"
 #include "coppice/cuda/tetra/march_stages_internal.h"
@@ -45,7 +45,7 @@ MarchResult DeviceMarcher::march(const TetraMesh& mesh, const CutConvolution& fi
     try {
         return impl_->march_whole(in, ctx);
     } catch (const DeviceFull&) {
-        return cuda::march_in_pieces(impl_->exec, in, ctx);
+        return cuda::march_in_tiles(impl_->exec, in, ctx);
     }
 }
 

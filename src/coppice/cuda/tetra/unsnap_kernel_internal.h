@@ -85,7 +85,7 @@ struct FindFold {
                                                          : view.position(t, corners[k]));
         }
         const double whole =
-            tetra_kernel::tetra_volume(tetra_kernel::get_corners(view.positions.data(), view.parts[t]));
+            tetra_kernel::tetra_volume(tetra_kernel::get_corners(view.positions.data(), view.elements[t]));
         if (!tetra_kernel::is_flat(now, whole / static_cast<double>(1u << (3 * view.levels)))) return;
         const std::uint32_t worst = tetra_kernel::farthest(vertex, way);
         set_bit(marks, worst);
@@ -163,18 +163,18 @@ COPPICE_HOST_DEVICE void visit_coarse_around(const DeviceRefinement& refinement,
                                              const Use& use) {
     const RefinementView& view = refinement.view;
     const FinePlace place = view.vertices.place(vertex);
-    const OwnedPart owner = refinement.owner(place);
+    const OwnedElement owner = refinement.owner(place);
     if (owner.group == TetraPattern::kInside) {
         use(owner.tetra, view.pattern(owner.tetra).first_vertex[owner.group] + place.index);
         return;
     }
-    const TetraParts& parts = view.parts[owner.tetra];
-    const std::uint32_t least = lowest_corner(owner.group), v = parts[least];
+    const TetraElements& elements = view.elements[owner.tetra];
+    const std::uint32_t least = lowest_corner(owner.group), v = elements[least];
     const VertexStars& stars = refinement.stars;
     for (std::uint32_t q = stars.first[v]; q < stars.first[v + 1]; ++q) {
         const std::uint32_t t = stars.corners[q] / 4;
-        const std::uint32_t there =
-            SharedAbove::find(parts, least, view.parts[t], stars.corners[q] % 4).corners_there(owner.group);
+        const std::uint32_t there = SharedAbove::find(elements, least, view.elements[t], stars.corners[q] % 4)
+                                        .corners_there(owner.group);
         if (there != 0) use(t, view.pattern(t).first_vertex[group_of_corners(there)] + place.index);
     }
 }

@@ -146,18 +146,18 @@ std::vector<char> limit_to_stems(const InitialTree& tree, double area_limit,
 
 /// Class of branches with a similar share of their tree beyond.
 struct Kind {
-    struct Piece {
+    struct Section {
         double log_radius;  ///< relative to the base; -infinity if it was not measured
         double length;      ///< [m]
     };
-    std::vector<Piece> pieces;
+    std::vector<Section> sections;
     double log_share = 0, length = 0;  ///< sums
 
     /// Returns the median radius, weighted by length; -infinity if half of the length was not measured.
     double median_log_radius() {
-        std::ranges::sort(pieces, {}, &Piece::log_radius);
+        std::ranges::sort(sections, {}, &Section::log_radius);
         double sum = 0;
-        for (const Piece& p : pieces) {
+        for (const Section& p : sections) {
             sum += p.length;
             if (2 * sum >= length) return p.log_radius;
         }
@@ -176,7 +176,7 @@ std::vector<Kind> collect_kinds(const InitialTree& tree, std::span<const NodeEvi
         const double off = evidence[n].precision() >= kSeen
                                ? std::log(evidence[n].radius) - allometry.log_base_radius[n]
                                : -std::numeric_limits<double>::infinity();
-        kinds[k].pieces.push_back({off, length});
+        kinds[k].sections.push_back({off, length});
         kinds[k].log_share += length * allometry.log_share[n];
         kinds[k].length += length;
     }

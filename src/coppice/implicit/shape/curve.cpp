@@ -14,7 +14,7 @@
 namespace coppice {
 namespace {
 
-using Piece = std::array<Vec3d, 4>;
+using Cubic = std::array<Vec3d, 4>;
 
 constexpr std::size_t kMaxPoints = 1000000;
 constexpr int kMaxArcs = 16;          // maximum number per section
@@ -39,7 +39,7 @@ void check_points(std::span<const Vec3> points, bool closed) {
     }
 }
 
-Piece hermite(Vec3d p, Vec3d q, Vec3d tangent_p, Vec3d tangent_q) {
+Cubic hermite(Vec3d p, Vec3d q, Vec3d tangent_p, Vec3d tangent_q) {
     return {p, tangent_p, (q - p) * 3.0 - tangent_p * 2.0 - tangent_q, (p - q) * 2.0 + tangent_p + tangent_q};
 }
 
@@ -51,10 +51,10 @@ struct Knots {
     bool closed;
 
     Knots(std::span<const Vec3> points, bool closed_) : point(points.begin(), points.end()), closed(closed_) {
-        for (std::size_t i = 0; i < piece_count(); ++i)
+        for (std::size_t i = 0; i < span_count(); ++i)
             space.push_back(std::sqrt(distance(point[i], next(i))));
     }
-    std::size_t piece_count() const { return point.size() - (closed ? 0 : 1); }
+    std::size_t span_count() const { return point.size() - (closed ? 0 : 1); }
     Vec3d next(std::size_t i) const { return point[(i + 1) % point.size()]; }
     Vec3d slope(std::size_t i) const { return (next(i) - point[i]) / space[i]; }
 };
@@ -127,26 +127,26 @@ std::vector<Vec3d> spline_tangents(const Knots& k) {
     return m;
 }
 
-std::vector<Piece> find_pieces(const Knots& k, CurveKind kind) {
+std::vector<Cubic> find_cubics(const Knots& k, CurveKind kind) {
     std::vector<Vec3d> m;
     if (kind == CurveKind::catmull_rom) m = local_tangents(k);
     if (kind == CurveKind::natural) m = spline_tangents(k);
-    std::vector<Piece> pieces(k.piece_count());
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
+    std::vector<Cubic> cubics(k.span_count());
+    for (std::size_t i = 0; i < cubics.size(); ++i) {
         const Vec3d p = k.point[i], q = k.next(i);
-        pieces[i] = m.empty() ? Piece{p, q - p, {}, {}}
+        cubics[i] = m.empty() ? Cubic{p, q - p, {}, {}}
                               : hermite(p, q, m[i] * k.space[i], m[(i + 1) % m.size()] * k.space[i]);
     }
-    return pieces;
+    return cubics;
 }
 
 /// Returns the portion of a section from t = a, of length h, as a cubic.
-Piece cut_part(const Piece& c, double a, double h) {
+Cubic cut_part(const Cubic& c, double a, double h) {
     return {c[0] + (c[1] + (c[2] + c[3] * a) * a) * a, (c[1] + (c[2] * 2.0 + c[3] * (3.0 * a)) * a) * h,
             (c[2] + c[3] * (3.0 * a)) * (h * h), c[3] * (h * h * h)};
 }
 
-double max_second(const Piece& c) {
+double max_second(const Cubic& c) {
     return std::max(length(c[2] * 2.0), length(c[2] * 2.0 + c[3] * 6.0));  // it is linear in t
 }
 
@@ -212,19 +212,19 @@ double local_closest_parameter(const CurveArc& arc, Vec3d p, double g0, double g
 Curve::Curve(std::span<const Vec3> points, const CurveOptions& options)
     : closed_(options.closed), boxes_({}, Context{.threads = 1}) {
     check_points(points, closed_);
-    cut(find_pieces(Knots(points, closed_), options.kind));
+    cut(find_cubics(Knots(points, closed_), options.kind));
     measure();
     carry_frames();
 }
 
-void Curve::cut(std::span<const std::array<Vec3d, 4>> pieces) {
-    for (const Piece& piece : pieces) {
+void Curve::cut(std::span<const std::array<Vec3d, 4>> cubics) {
+    for (const Cubic& cubic : cubics) {
         first_arc_.push_back(static_cast<std::uint32_t>(arcs_.size()));
-        const double chord = coppice::length(piece[1] + piece[2] + piece[3]), bend = max_second(piece);
+        const double chord = coppice::length(cubic[1] + cubic[2] + cubic[3]), bend = max_second(cubic);
         const int n =
             std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * kDeviation * chord)))), 1, kMaxArcs);
         for (int i = 0; i < n; ++i) {
-            CurveArc arc{.c = cut_part(piece, static_cast<double>(i) / n, 1.0 / n)};
+            CurveArc arc{.c = cut_part(cubic, static_cast<double>(i) / n, 1.0 / n)};
             arc.slack = max_second(arc.c) / 8;
             arcs_.push_back(arc);
         }
@@ -274,12 +274,12 @@ CurvePlace Curve::at_fraction(double fraction) const {
 }
 
 CurvePlace Curve::at_index(double index) const {
-    const double u = std::clamp(index, 0.0, static_cast<double>(piece_count()));
-    const std::uint32_t piece = std::min(static_cast<std::uint32_t>(u), piece_count() - 1);
-    const std::uint32_t n = first_arc_[piece + 1] - first_arc_[piece];
-    const double within = (u - piece) * n;
+    const double u = std::clamp(index, 0.0, static_cast<double>(span_count()));
+    const std::uint32_t cubic = std::min(static_cast<std::uint32_t>(u), span_count() - 1);
+    const std::uint32_t n = first_arc_[cubic + 1] - first_arc_[cubic];
+    const double within = (u - cubic) * n;
     const std::uint32_t i = std::min(static_cast<std::uint32_t>(within), n - 1);
-    return {first_arc_[piece] + i, within - i};
+    return {first_arc_[cubic] + i, within - i};
 }
 
 double Curve::fraction(CurvePlace place) const {

@@ -73,14 +73,14 @@ class Curve {
 
     bool closed() const { return closed_; }  ///< whether an additional section connects the ends
     /// Returns the number of sections between points.
-    std::uint32_t piece_count() const { return static_cast<std::uint32_t>(first_arc_.size()) - 1; }
+    std::uint32_t span_count() const { return static_cast<std::uint32_t>(first_arc_.size()) - 1; }
     double length() const { return length_; }  ///< [m]
     Box3 bounds() const { return bounds_; }    ///< [m] box of the curve
 
     /// Returns the place at a `fraction` of the length, clamped to [0, 1].
     CurvePlace at_fraction(double fraction) const;
     /// Returns the place at a parameter: i is point i; other parameters are interpolated evenly in the
-    /// section. Clamped to [0, piece_count].
+    /// section. Clamped to [0, span_count].
     CurvePlace at_index(double index) const;
     double fraction(CurvePlace place) const;  ///< share of the length before a place
 
@@ -101,7 +101,7 @@ class Curve {
     const BoxTree& boxes() const { return boxes_; }           ///< of the arcs
 
   private:
-    void cut(std::span<const std::array<Vec3d, 4>> pieces);
+    void cut(std::span<const std::array<Vec3d, 4>> cubics);
     void measure();
     void carry_frames();
 

@@ -172,24 +172,24 @@ MeshSolid::MeshSolid(std::span<const Vec3> positions, std::span<const Triangle> 
 }
 
 void MeshSolid::build_dipoles(const Context& ctx) {
-    struct Part {
+    struct Moments {
         Vec3d moment, weighted;
         double area = 0;
     };
-    std::vector<Part> below(triangles_.size());
+    std::vector<Moments> below(triangles_.size());
     parallel_for(ctx, below.size(), kGrain, [&](std::size_t i) {
         const Vec3d a(triangles_[i].a), b(triangles_[i].b), c(triangles_[i].c);
-        Part& part = below[i];
+        Moments& part = below[i];
         part.moment = area_vector(a, b, c);
         part.area = length(part.moment);
         part.weighted = (a + b + c) * (part.area / 3);
     });
     for (std::uint32_t level = 1; level < boxes_.level_count(); ++level) {
         const std::span<const Box3> boxes = boxes_.level(level);
-        std::vector<Part> parts(boxes.size());
+        std::vector<Moments> parts(boxes.size());
         std::vector<Dipole> dipoles(boxes.size());
         parallel_for(ctx, boxes.size(), kGrain, [&](std::size_t i) {
-            Part& sum = parts[i];
+            Moments& sum = parts[i];
             const std::size_t end = std::min<std::size_t>(BoxTree::kWidth * (i + 1), below.size());
             for (std::size_t k = BoxTree::kWidth * i; k < end; ++k) {
                 sum.moment += below[k].moment;

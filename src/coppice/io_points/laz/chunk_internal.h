@@ -60,12 +60,12 @@ std::vector<LazChunk> find_laz_chunks(std::string_view bytes, const LasHeader& h
 
 /// Decompresses the points of a chunk of formats 0 to 5, record by record. Returns the number of bytes read,
 /// or nullopt if they are damaged. Throws `Cancelled`.
-std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
-                                          const Context& ctx);
+std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing,
+                                          LasRecordRange& out, const Context& ctx);
 
 /// Decompresses the points of a chunk of formats 6 to 10, property by property; properties that are not
 /// needed are skipped.
-std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
-                                         const Context& ctx);
+std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking& packing,
+                                         LasRecordRange& out, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -350,8 +350,8 @@ class LayerReader {
 
 }  // namespace
 
-std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
-                                         const Context& ctx) {
+std::optional<std::size_t> unpack_layers(const LazChunk& chunk, const LazPacking& packing,
+                                         LasRecordRange& out, const Context& ctx) {
     const std::size_t table = 4 * layer_count(packing), head = packing.record + 4 + table;
     if (chunk.bytes.size() < head) return {};
     if (number_at<std::uint32_t>(chunk.bytes, packing.record) < chunk.count) return {};

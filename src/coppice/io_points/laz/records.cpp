@@ -360,7 +360,7 @@ std::unique_ptr<OtherItem> other_item(const LazPacking::Item& item) {
 }
 
 template <class Points>
-std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
+std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packing, LasRecordRange& out,
                                   const Context& ctx) {
     Point10 p(chunk.bytes);
     Rgb16 first_color{};
@@ -398,8 +398,8 @@ std::optional<std::size_t> unpack(const LazChunk& chunk, const LazPacking& packi
 
 }  // namespace
 
-std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing, LasPart& out,
-                                          const Context& ctx) {
+std::optional<std::size_t> unpack_records(const LazChunk& chunk, const LazPacking& packing,
+                                          LasRecordRange& out, const Context& ctx) {
     if (chunk.bytes.size() < packing.record) return {};
     return packing.items[0].version == 1 ? unpack<Point10Version1>(chunk, packing, out, ctx)
                                          : unpack<Point10Version2>(chunk, packing, out, ctx);

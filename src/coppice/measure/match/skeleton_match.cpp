@@ -158,10 +158,10 @@ void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const C
                  const Context& ctx, SkeletonMatch& out) {
     if (reference.size() == 0) return;
     const Samples samples(found, options.step);
-    struct Part {
+    struct InsideLength {
         double inside = 0, rho = 0;  // [m] length inside, [m radius] integral of rho
     };
-    std::vector<Part> parts(found.size());
+    std::vector<InsideLength> parts(found.size());
     samples.for_segments(ctx, kReferenceShare, kFoundShare, [&](std::size_t i) {
         const RoundCone& c = found.cone(static_cast<std::uint32_t>(i));
         std::uint32_t hint = kNoIndex;
@@ -173,8 +173,8 @@ void judge_found(const CapsuleTree& reference, const CapsuleTree& found, const C
             if (nearest.rho <= options.within) parts[i].inside += l;
         });
     });
-    Part sum;
-    for (const Part& p : parts) {
+    InsideLength sum;
+    for (const InsideLength& p : parts) {
         sum.inside += p.inside;
         sum.rho += p.rho;
     }

@@ -169,7 +169,7 @@ class Coarsening {
     void for_each_node(std::uint32_t f, const Visit& visit) const {
         const ControlMesh& control = build_.cage;
         const NodeId region(control.region[f]);
-        if (control.part[f] == TubePart::fork) {
+        if (control.part[f] == TubeFace::fork) {
             visit(region);
             return;
         }

@@ -21,7 +21,7 @@ class NodeLevels {
             if (side.count > 0 && grid_.is_whole(tube)) set_by_shape(tube, side);
         }
         for (std::uint32_t f = 0; f < control.part.size(); ++f) {
-            if (control.part[f] == TubePart::fork) set_by_shape(NodeId(control.region[f]), f);
+            if (control.part[f] == TubeFace::fork) set_by_shape(NodeId(control.region[f]), f);
         }
         return std::move(out_);
     }

@@ -17,8 +17,8 @@ constexpr std::uint32_t kTransitionQuads = 6;  // for every four sides of the fi
 NodeId find_node(const TubeRows& tube_rows, std::uint32_t f) {
     const ControlMesh& control = tube_rows.cage();
     const NodeId region(control.region[f]);
-    if (control.part[f] == TubePart::start) return tube_rows.tubes().parent(region);
-    return control.part[f] == TubePart::end ? tube_rows.end_node(region) : region;
+    if (control.part[f] == TubeFace::start) return tube_rows.tubes().parent(region);
+    return control.part[f] == TubeFace::end ? tube_rows.end_node(region) : region;
 }
 
 // Returns the number of quads of a tube between rings.
@@ -40,7 +40,7 @@ class Selector {
     Selection run() {
         out_.growth.assign(grid_.vertex_count(), 0.0f);
         for (std::uint32_t f = 0; f < control_.part.size(); ++f) {
-            if (control_.part[f] != TubePart::side) {
+            if (control_.part[f] != TubeFace::side) {
                 add_patch(f);
             } else if (const NodeId tube(control_.region[f]); grid_.faces(tube).side.first == f) {
                 add_tube(tube, grid_.faces(tube).side);
@@ -78,7 +78,7 @@ class Selector {
             for (std::uint32_t i = 0; i < n; i += step)
                 add_quad({at(i, j), at(i + step, j), at(i + step, j + step), at(i, j + step)}, f);
         }
-        if (control_.part[f] != TubePart::fork) return;  // caps do not move, except for their rim
+        if (control_.part[f] != TubeFace::fork) return;  // caps do not move, except for their rim
         for (std::uint32_t j = 0; j <= n; j += step) {
             for (std::uint32_t i = 0; i <= n; i += step) out_.growth[at(i, j)] = growth_at_fork(node);
         }
@@ -203,7 +203,7 @@ std::uint64_t faces_by_radius(const ControlMesh& control, const Skeleton& tubes,
     const std::vector<std::uint8_t> level = node_levels_by_radius(tube_rows, chord_error);
     std::uint64_t out = 0;
     for (std::uint32_t f = 0; f < control.part.size(); ++f) {
-        if (control.part[f] != TubePart::side)
+        if (control.part[f] != TubeFace::side)
             out += std::uint64_t{1} << (2 * level[find_node(tube_rows, f).index()]);
     }
     const std::vector<TubeFaces> faces = faces_of_tubes(tube_rows);

@@ -62,9 +62,9 @@ class SkinnedMesh::Body {
     std::vector<std::uint32_t> at_fault(const SkinnedFrame& frame) const;
 
     void mark_movers(std::uint32_t face, std::span<std::uint8_t> is_mover) const {
-        if (piece_[face] == kNoIndex) return mark_face_movers(face, is_mover);
+        if (component_[face] == kNoIndex) return mark_face_movers(face, is_mover);
         NodeId last;
-        for (const std::uint32_t f : pieces_[piece_[face]]) {
+        for (const std::uint32_t f : components_[component_[face]]) {
             mark_face_movers(f, is_mover);
             if (last) freeze_between(rest, last, mover(f), is_mover);
             last = mover(f);
@@ -143,9 +143,9 @@ class SkinnedMesh::Body {
     KeptQuads kept_;
     Buffer<Vec3> anchors_;
     Buffer<Influence> influences_;
-    CompressedRows<std::uint32_t> free_;    // by region of the field: vertices that are projected
-    std::vector<std::uint32_t> piece_;      // per remeshed face: its connected component
-    CompressedRows<std::uint32_t> pieces_;  // their faces
+    CompressedRows<std::uint32_t> free_;        // by region of the field: vertices that are projected
+    std::vector<std::uint32_t> component_;      // per remeshed face: its connected component
+    CompressedRows<std::uint32_t> components_;  // their faces
     std::vector<std::uint32_t> rest_folded_;
     std::vector<FacePair> rest_crossings_;
 };
@@ -188,27 +188,27 @@ void SkinnedMesh::Body::find_pieces() {
         return std::ranges::any_of(mesh().quads[f],
                                    [&](std::uint32_t v) { return refined_vertex(v) == kNoIndex; });
     };
-    piece_.assign(mesh().quads.size(), kNoIndex);
+    component_.assign(mesh().quads.size(), kNoIndex);
     std::uint32_t count = 0;
     std::vector<std::uint32_t> open;
-    for (std::uint32_t first = 0; first < piece_.size(); ++first) {
-        if (piece_[first] != kNoIndex || !is_new(first)) continue;
-        piece_[first] = count;
+    for (std::uint32_t first = 0; first < component_.size(); ++first) {
+        if (component_[first] != kNoIndex || !is_new(first)) continue;
+        component_[first] = count;
         open.push_back(first);
         while (!open.empty()) {
             const std::uint32_t f = open.back();
             open.pop_back();
             for (const std::uint32_t v : mesh().quads[f]) {
                 for (const std::uint32_t g : faces_of_[v]) {
-                    if (piece_[g] != kNoIndex || !is_new(g)) continue;
-                    piece_[g] = count;
+                    if (component_[g] != kNoIndex || !is_new(g)) continue;
+                    component_[g] = count;
                     open.push_back(g);
                 }
             }
         }
         ++count;
     }
-    pieces_ = group_by(piece_, count);
+    components_ = group_by(component_, count);
 }
 
 // Vertices that the projection does not move are projected onto the field in all poses: at rest, and for

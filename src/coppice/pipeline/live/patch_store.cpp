@@ -13,7 +13,7 @@ namespace {
 
 constexpr Quad kFreeQuad{0, 0, 0, 0};
 
-std::vector<StableId> collect_ids(const TracedPart& traced, std::span<const NodeId> nodes) {
+std::vector<StableId> collect_ids(const TracedPortion& traced, std::span<const NodeId> nodes) {
     std::vector<StableId> out;
     for (const NodeId n : nodes) out.push_back(traced.part.stable_id(n));
     std::sort(out.begin(), out.end());
@@ -72,12 +72,12 @@ std::uint32_t PatchStore::stored_tube(StableId node, std::uint32_t place) const 
 }
 
 // Returns the stored index of a traced vertex, if its patch is stored; otherwise none.
-std::uint32_t PatchStore::slot(const TracedPart& traced, const Plan& plan, std::uint32_t vertex) const {
+std::uint32_t PatchStore::slot(const TracedPortion& traced, const Plan& plan, std::uint32_t vertex) const {
     const std::uint32_t stored = plan.kept[traced.patches.owner[vertex]];
     return stored == kNoIndex ? kNoIndex : patches_[stored].vertices.first + traced.patches.local[vertex];
 }
 
-bool PatchStore::differs(const TracedPart& traced, NodeId n) const {
+bool PatchStore::differs(const TracedPortion& traced, NodeId n) const {
     const SurfacePatches& patches = traced.patches;
     const auto stored = row(tubes_of_, traced.part.stable_id(n));
     const auto tubes = patches.tubes_of[n.index()];
@@ -92,7 +92,7 @@ bool PatchStore::differs(const TracedPart& traced, NodeId n) const {
 }
 
 // Returns whether a traced patch has the positions and quads of a stored one, with its own vertices.
-bool PatchStore::is_same(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
+bool PatchStore::is_same(const TracedPortion& traced, const Plan& plan, std::uint32_t traced_patch,
                          std::uint32_t stored) const {
     const Patch& there = patches_[stored];
     const auto vertices = traced.patches.vertices[traced_patch];
@@ -115,7 +115,7 @@ bool PatchStore::is_same(const TracedPart& traced, const Plan& plan, std::uint32
 }
 
 // Extends the nodes to check by those that a new repair patch covers, unless unchecked patches are there.
-void PatchStore::widen(const TracedPart& traced, Plan& plan) const {
+void PatchStore::widen(const TracedPortion& traced, Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     const NodeIndex at(traced.part);
     const auto miss = [&](NodeId n) { plan.missing.push_back(traced.part.stable_id(n)); };
@@ -137,7 +137,7 @@ void PatchStore::widen(const TracedPart& traced, Plan& plan) const {
     }
 }
 
-void PatchStore::plan_tubes(const TracedPart& traced, Plan& plan) const {
+void PatchStore::plan_tubes(const TracedPortion& traced, Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     for (std::uint32_t t = 0; t < patches.tube_count(); ++t)
         plan.kept[t] = stored_tube(traced.part.stable_id(patches.node[t]), patches.place[t]);
@@ -152,7 +152,8 @@ void PatchStore::plan_tubes(const TracedPart& traced, Plan& plan) const {
     }
 }
 
-void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId> removed, Plan& plan) const {
+void PatchStore::plan_pieces(const TracedPortion& traced, std::span<const StableId> removed,
+                             Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     std::vector<std::uint32_t> still_there;
     for (std::uint32_t i = 0; i < patches.piece_nodes.size(); ++i) {
@@ -192,7 +193,7 @@ void PatchStore::plan_pieces(const TracedPart& traced, std::span<const StableId>
 }
 
 // Quads that will not be written must not refer to vertices that move to another index.
-void PatchStore::find_moves_under_others(const TracedPart& traced, Plan& plan) const {
+void PatchStore::find_moves_under_others(const TracedPortion& traced, Plan& plan) const {
     const SurfacePatches& patches = traced.patches;
     std::vector<std::uint8_t> moves(patches.count(), 0);
     for (std::uint32_t p = 0; p < patches.count(); ++p) {
@@ -210,7 +211,7 @@ void PatchStore::find_moves_under_others(const TracedPart& traced, Plan& plan) c
     }
 }
 
-PatchStore::Plan PatchStore::plan(const TracedPart& traced, std::span<const StableId> removed) const {
+PatchStore::Plan PatchStore::plan(const TracedPortion& traced, std::span<const StableId> removed) const {
     Plan out{std::vector<std::uint32_t>(traced.patches.count(), kNoIndex),
              std::vector<std::uint8_t>(traced.patches.count(), 0),
              {},
@@ -249,7 +250,7 @@ std::uint32_t PatchStore::add_patch() {
 }
 
 // Assigns ranges to a patch, and writes its positions.
-void PatchStore::place(const TracedPart& traced, Plan& plan, std::uint32_t traced_patch,
+void PatchStore::place(const TracedPortion& traced, Plan& plan, std::uint32_t traced_patch,
                        SurfaceChange& change) {
     const SurfacePatches& patches = traced.patches;
     std::uint32_t& stored = plan.kept[traced_patch];
@@ -289,7 +290,7 @@ void PatchStore::place(const TracedPart& traced, Plan& plan, std::uint32_t trace
 }
 
 // Writes the quads of a patch if they changed.
-void PatchStore::write_quads(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
+void PatchStore::write_quads(const TracedPortion& traced, const Plan& plan, std::uint32_t traced_patch,
                              SurfaceChange& change) {
     const Patch& p = patches_[plan.kept[traced_patch]];
     bool differs = false;
@@ -303,7 +304,7 @@ void PatchStore::write_quads(const TracedPart& traced, const Plan& plan, std::ui
     if (differs) change.quads.push_back(p.quads);
 }
 
-Merged PatchStore::merge(const TracedPart& traced, std::span<const StableId> removed) {
+Merged PatchStore::merge(const TracedPortion& traced, std::span<const StableId> removed) {
     Plan made = plan(traced, removed);
     if (!made.missing.empty()) return {{}, std::move(made.missing)};
     SurfaceChange change;
@@ -314,8 +315,8 @@ Merged PatchStore::merge(const TracedPart& traced, std::span<const StableId> rem
     }
     // Neighbours of moved patches refer to them.
     for (std::uint32_t p = 0; p < count; ++p) {
-        const bool is_piece = p >= traced.patches.tube_count();
-        if (is_piece || made.is_wanted[traced.patches.node[p].index()] != 0)
+        const bool is_tile = p >= traced.patches.tube_count();
+        if (is_tile || made.is_wanted[traced.patches.node[p].index()] != 0)
             write_quads(traced, made, p, change);
     }
     tidy(change.vertices);

@@ -14,7 +14,7 @@
 namespace coppice::pipeline_internal {
 
 /// A surface of a part of a tree, divided into patches, and the nodes to check.
-struct TracedPart {
+struct TracedPortion {
     const Skeleton& part;
     const SurfacePatches& patches;
     std::span<const std::uint8_t> wanted;   ///< per node of the part
@@ -48,11 +48,11 @@ class FreeRanges {
 class PatchStore {
   public:
     /// Returns whether the vertices of the tubes of a node of the part differ from the stored ones.
-    bool differs(const TracedPart& traced, NodeId n) const;
+    bool differs(const TracedPortion& traced, NodeId n) const;
 
     /// Replaces the stored patches by those of a part that are to be checked and have the same names, and
     /// removes those of removed nodes.
-    Merged merge(const TracedPart& traced, std::span<const StableId> removed);
+    Merged merge(const TracedPortion& traced, std::span<const StableId> removed);
 
     std::span<const Vec3> positions() const { return positions_; }
     std::span<const Quad> quads() const { return quads_; }
@@ -82,18 +82,18 @@ class PatchStore {
         std::vector<StableId> missing;        ///< see Merged; empty: the merge is possible
     };
 
-    Plan plan(const TracedPart& traced, std::span<const StableId> removed) const;
-    void widen(const TracedPart& traced, Plan& plan) const;
-    void plan_tubes(const TracedPart& traced, Plan& plan) const;
-    void plan_pieces(const TracedPart& traced, std::span<const StableId> removed, Plan& plan) const;
+    Plan plan(const TracedPortion& traced, std::span<const StableId> removed) const;
+    void widen(const TracedPortion& traced, Plan& plan) const;
+    void plan_tubes(const TracedPortion& traced, Plan& plan) const;
+    void plan_pieces(const TracedPortion& traced, std::span<const StableId> removed, Plan& plan) const;
     std::uint32_t stored_tube(StableId node, std::uint32_t place) const;
-    bool is_same(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
+    bool is_same(const TracedPortion& traced, const Plan& plan, std::uint32_t traced_patch,
                  std::uint32_t stored) const;
-    std::uint32_t slot(const TracedPart& traced, const Plan& plan, std::uint32_t vertex) const;
-    void find_moves_under_others(const TracedPart& traced, Plan& plan) const;
+    std::uint32_t slot(const TracedPortion& traced, const Plan& plan, std::uint32_t vertex) const;
+    void find_moves_under_others(const TracedPortion& traced, Plan& plan) const;
     void remove(std::uint32_t patch, SurfaceChange& change);
-    void place(const TracedPart& traced, Plan& plan, std::uint32_t traced_patch, SurfaceChange& change);
-    void write_quads(const TracedPart& traced, const Plan& plan, std::uint32_t traced_patch,
+    void place(const TracedPortion& traced, Plan& plan, std::uint32_t traced_patch, SurfaceChange& change);
+    void write_quads(const TracedPortion& traced, const Plan& plan, std::uint32_t traced_patch,
                      SurfaceChange& change);
     std::uint32_t add_patch();
     std::vector<std::uint32_t>& row(std::vector<std::vector<std::uint32_t>>& rows, StableId node);

@@ -32,7 +32,7 @@ void shape_blunt_tips(const ControlMesh& control, const Skeleton& tubes,
     std::vector<bool> is_done(control.cage.positions.size());
     for (std::size_t q = 0; q < control.part.size(); ++q) {
         const NodeId tip(control.region[q]);
-        if (control.part[q] != TubePart::end || tubes.is_root(tip) || !has_blunt_tip(tip)) continue;
+        if (control.part[q] != TubeFace::end || tubes.is_root(tip) || !has_blunt_tip(tip)) continue;
         for (const std::uint32_t v : control.cage.quads[q]) {
             if (is_done[v]) continue;
             is_done[v] = true;

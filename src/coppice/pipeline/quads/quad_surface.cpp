@@ -25,25 +25,25 @@ std::vector<NodeId> composed(std::span<const NodeId> first, std::span<const Node
     return both;
 }
 
-PieceEnd piece_end(const MeshOptions& options) {
-    return options.overlaps == Overlaps::merge ? PieceEnd::joined : PieceEnd::closed;
+SectionEnd piece_end(const MeshOptions& options) {
+    return options.overlaps == Overlaps::merge ? SectionEnd::joined : SectionEnd::closed;
 }
 
 // A surface without a cage, and the inputs of its cage.
 struct Wrapped {
     BuiltQuads built;
     std::vector<NodeId> source;       // per tube: the node of the field's skeleton
-    std::vector<NodeId> round_roots;  // see PartResult
+    std::vector<NodeId> round_roots;  // see SeparatedSkeleton
     std::vector<NodeJoin> joins;      // of tubes
 };
 
-Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, PieceEnd end, const Context& ctx,
+Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, SectionEnd end, const Context& ctx,
                 Stages& stages) {
     const float graft = options.overlaps == Overlaps::keep ? 0 : options.graft;
     GraftResult grafted =
         stages.run("graft", 0.08f, [&] { return graft_branches(prepared, graft, end, ctx); });
-    PartResult parted =
-        stages.run("part", 0.1f, [&] { return part_branches(grafted.tubes, grafted.joins, ctx); });
+    SeparatedSkeleton parted =
+        stages.run("part", 0.1f, [&] { return separate_branches(grafted.tubes, grafted.joins, ctx); });
     Wrapped out{.built = {},
                 .source = composed(parted.source, grafted.source),
                 .round_roots = std::move(parted.round_roots),
@@ -60,7 +60,7 @@ Wrapped to_wrap(const Skeleton& prepared, const MeshOptions& options, PieceEnd e
     return out;
 }
 
-BuiltQuads with_cage(const Skeleton& prepared, const MeshOptions& options, PieceEnd end, const Context& ctx,
+BuiltQuads with_cage(const Skeleton& prepared, const MeshOptions& options, SectionEnd end, const Context& ctx,
                      Stages& stages) {
     Wrapped wrapped = to_wrap(prepared, options, end, ctx, stages);
     QuadBuild& build = wrapped.built.build;
@@ -226,7 +226,7 @@ void shape_tips(BuiltQuads& out) {
     out.build.refined = out.surface.mesh.positions;
 }
 
-BuiltQuads mesh_with(PieceEnd end, const Skeleton& prepared, const PointSet& constraints,
+BuiltQuads mesh_with(SectionEnd end, const Skeleton& prepared, const PointSet& constraints,
                      const MeshOptions& options, const QuadUse& use, const Context& ctx, Stages& stages) {
     BuiltQuads out = with_cage(prepared, options, end, ctx, stages);
     QuadBuild& build = out.build;
@@ -259,15 +259,15 @@ BuiltQuads mesh_by_quads(const Skeleton& prepared, const PointSet& constraints, 
                          const QuadUse& use, const Context& ctx, Stages& stages) {
     if (is_coarsened(options.tube_sides, options.levels) && (use.is_posed || use.wanted))
         throw InvalidInput("mesh: tube_sides must be equal for a surface that follows its skeleton");
-    const auto mesh = [&](PieceEnd end) {
+    const auto mesh = [&](SectionEnd end) {
         return mesh_with(end, prepared, constraints, options, use, ctx, stages);
     };
-    const PieceEnd end = piece_end(options);
+    const SectionEnd end = piece_end(options);
     BuiltQuads out = mesh(end);
     const std::uint64_t pairs = out.surface.repair.pairs_after;
-    if (end == PieceEnd::closed || pairs == 0) return out;
+    if (end == SectionEnd::closed || pairs == 0) return out;
     // Crowds of branches within each other, which cannot be merged into one body.
-    out = mesh(PieceEnd::closed);
+    out = mesh(SectionEnd::closed);
     if (out.surface.repair.pairs_after >= pairs) out = mesh(end);
     return out;
 }
@@ -277,7 +277,7 @@ BuiltQuads mesh_by_ramifications(const Skeleton& prepared, const PointSet& const
     if (options.levels == 0)
         throw InvalidInput("mesh: levels must be at least 1 for ramifications, which are pasted between two");
     // Units have no tubes that end in others.
-    Wrapped wrapped = to_wrap(prepared, options, PieceEnd::closed, ctx, stages);
+    Wrapped wrapped = to_wrap(prepared, options, SectionEnd::closed, ctx, stages);
     BuiltQuads out = std::move(wrapped.built);
     QuadBuild& build = out.build;
     build.options.control.sides = 4;

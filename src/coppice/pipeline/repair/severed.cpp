@@ -101,7 +101,7 @@ PolygonMesh faces_about(const Flags& segments, const Skeleton& s, const TubeQuad
 }
 
 // Adds the rows along a section of an axis.
-void add_slices(const SeveredPart& part, const QuadBuild& build, const TubeRows& tube_rows,
+void add_slices(const SeveredRange& part, const QuadBuild& build, const TubeRows& tube_rows,
                 std::vector<TubeRow>& out) {
     const auto axis = round_cone<float>(build.skeleton.segment(part.node));
     const auto from = static_cast<float>(part.from), share = static_cast<float>(part.to - part.from);
@@ -121,9 +121,9 @@ std::vector<TubeRow> find_severed_rows(const QuadBuild& build, const TubeQuads& 
     const PolygonMesh faces = faces_about(doubtful, s, quads, ctx);
     if (faces.face_count() == 0) return {};
     const CapsuleTree segments(s, s.origin(), ctx);
-    const std::vector<SeveredPart> parts = severed_parts(faces, s, segments, doubtful, ctx);
+    const std::vector<SeveredRange> parts = find_severed_ranges(faces, s, segments, doubtful, ctx);
     std::vector<TubeRow> out;
-    for (const SeveredPart& part : parts) add_slices(part, build, quads.tube_rows, out);
+    for (const SeveredRange& part : parts) add_slices(part, build, quads.tube_rows, out);
     sort_unique(out);
     return out;
 }

@@ -22,16 +22,16 @@ void extend(CageRun& run, std::uint32_t face) {
 std::vector<TubeFaces> faces_of_tubes(const TubeRows& tube_rows) {
     const ControlMesh& cage = tube_rows.cage();
     std::vector<TubeFaces> out(tube_rows.tubes().size());
-    const auto run = [&](TubePart part, NodeId region) -> CageRun& {
+    const auto run = [&](TubeFace part, NodeId region) -> CageRun& {
         TubeFaces& tube = out[region.index()];
         switch (part) {
-            case TubePart::side:
+            case TubeFace::side:
                 return tube.side;
-            case TubePart::start:
+            case TubeFace::start:
                 return tube.cap[0];
-            case TubePart::end:
+            case TubeFace::end:
                 return tube.cap[1];
-            case TubePart::fork:
+            case TubeFace::fork:
                 break;
         }
         const NodeId owner = tube_rows.fork_tube(region);

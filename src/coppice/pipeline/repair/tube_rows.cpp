@@ -26,13 +26,13 @@ TubeRows::TubeRows(const ControlMesh& cage, const Skeleton& tubes, int levels,
     for (const NodeId n : nodes(tubes))
         has_fork_[n.index()] = degree(tubes, n) > 2 || !ending_at_[n.index()].empty() ? 1 : 0;
     for (std::uint32_t f = static_cast<std::uint32_t>(cage.region.size()); f-- > 0;) {
-        if (cage.part[f] == TubePart::side) first_side_[cage.region[f]] = f;
-        if (cage.part[f] == TubePart::fork) has_fork_[cage.region[f]] = 1;
+        if (cage.part[f] == TubeFace::side) first_side_[cage.region[f]] = f;
+        if (cage.part[f] == TubeFace::fork) has_fork_[cage.region[f]] = 1;
     }
     for (std::uint32_t f = 0; f < cage.region.size() && sides_ == 0; ++f) {
-        if (cage.part[f] != TubePart::side) continue;
+        if (cage.part[f] != TubeFace::side) continue;
         while (f + sides_ < cage.region.size() && cage.region[f + sides_] == cage.region[f] &&
-               cage.part[f + sides_] == TubePart::side) {
+               cage.part[f + sides_] == TubeFace::side) {
             ++sides_;
         }
     }
@@ -48,13 +48,13 @@ TubeRow TubeRows::of_quad(std::uint32_t quad) const {
     const std::uint32_t f = quad >> (2 * levels_);
     const NodeId tube = get_tube(f);
     switch (cage_->part[f]) {
-        case TubePart::start:
+        case TubeFace::start:
             return first(tube);
-        case TubePart::end:
+        case TubeFace::end:
             return last(tube);
-        case TubePart::fork:
+        case TubeFace::fork:
             return at(tube, NodeId(cage_->region[f]));
-        case TubePart::side:
+        case TubeFace::side:
             break;
     }
     const std::uint32_t within = quad & ((1u << (2 * levels_)) - 1);

@@ -53,7 +53,7 @@ class TubeRows {
     /// Returns the tube to which a cage quad belongs.
     NodeId get_tube(std::uint32_t cage_quad) const {
         const NodeId n(cage_->region[cage_quad]);
-        return cage_->part[cage_quad] == TubePart::fork ? fork_tube(n) : n;
+        return cage_->part[cage_quad] == TubeFace::fork ? fork_tube(n) : n;
     }
     /// Returns the row of a refined quad.
     TubeRow of_quad(std::uint32_t quad) const;

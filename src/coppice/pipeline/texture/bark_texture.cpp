@@ -183,7 +183,7 @@ class QuadTexture {
 
     // Returns the cage quads with which one forms a grid.
     CageRun find_group(std::uint32_t f) const {
-        if (build_.cage.part[f] != TubePart::side) return {f, 1};
+        if (build_.cage.part[f] != TubeFace::side) return {f, 1};
         return tubes_.faces()[build_.cage.region[f]].side;
     }
 
@@ -201,18 +201,18 @@ class QuadTexture {
 
     // Projects a quad of the cap of a tube on the plane across its end; other quads stay open.
     void set_cap(std::size_t face, std::uint32_t f) {
-        const TubePart part = build_.cage.part[f];
-        if (part != TubePart::start && part != TubePart::end) return;
+        const TubeFace part = build_.cage.part[f];
+        if (part != TubeFace::start && part != TubeFace::end) return;
         const NodeId tube(build_.cage.region[f]);
         const CageRun side = tubes_.faces()[tube.index()].side;
         const Skeleton& s = build_.tubes;
         Vec3 normal, center;
         float density = 1 / tile_;
         if (side.count > 0) {
-            const NodeId end = part == TubePart::start ? s.parent(tube) : tube;
+            const NodeId end = part == TubeFace::start ? s.parent(tube) : tube;
             center = s.position(end);
             normal = s.position(tube) - s.position(s.parent(tube));
-            if (part == TubePart::start) normal = -normal;
+            if (part == TubeFace::start) normal = -normal;
             density = tubes_.patch(side.first).tiles_per_metre;
         } else {  // a side of a ball
             center = s.position(tube);
@@ -242,7 +242,7 @@ class QuadTexture {
             for (const TubeRow s : patch.adjacent) out[rows.tube(s).index()] = 1;
         }
         for (std::uint32_t f = 0; f < build_.cage.part.size(); ++f) {
-            if (build_.cage.part[f] != TubePart::fork || tubes_.patch(f).is_rectangle()) continue;
+            if (build_.cage.part[f] != TubeFace::fork || tubes_.patch(f).is_rectangle()) continue;
             rows.for_each_tube_at(NodeId(build_.cage.region[f]), [&](NodeId tube) { out[tube.index()] = 1; });
         }
         return out;

@@ -90,11 +90,11 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
             if (!options.flat) smooth_normals();
             if (scene.material != nullptr) add_texture(*scene.mesh);
             attach_mesh(solid_.get(), quads_, ctx);
-            parts_.push_back(Part::mesh);
+            kinds_.push_back(GeometryKind::mesh);
         }
         if (point_count_ > 0) {
             attach_points(solid_.get(), scene);
-            parts_.push_back(Part::points);
+            kinds_.push_back(GeometryKind::points);
         }
         commit_scene(device_.get(), solid_.get(), ctx);
         if (!marked_quads_.empty()) {
@@ -105,7 +105,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
         if (scene.skeleton != nullptr) axis_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
     } else {
         solid_ = build_tubes(*scene.skeleton, skeleton_width, ctx);
-        parts_ = {Part::tubes, Part::tubes};  // cones and balls
+        kinds_ = {GeometryKind::tubes, GeometryKind::tubes};  // cones and balls
     }
     collect_frame_points(scene, skeleton_width);
 }
@@ -306,9 +306,9 @@ std::optional<Hit> TracedScene::trace(RTCScene scene, Vec3 origin, Vec3 directio
     hit.position = origin + direction * hit.distance;
     hit.geometric_normal = normalized(Vec3{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, -direction);
     const bool is_solid = scene == solid_.get();
-    hit.on_mesh = is_solid && parts_[r.hit.geomID] == Part::mesh;
-    if (is_solid && parts_[r.hit.geomID] == Part::points) hit.point = r.hit.primID;
-    if (scene == axis_.get() || (is_solid && parts_[r.hit.geomID] == Part::tubes))
+    hit.on_mesh = is_solid && kinds_[r.hit.geomID] == GeometryKind::mesh;
+    if (is_solid && kinds_[r.hit.geomID] == GeometryKind::points) hit.point = r.hit.primID;
+    if (scene == axis_.get() || (is_solid && kinds_[r.hit.geomID] == GeometryKind::tubes))
         hit.node = tube_nodes_[r.hit.geomID][r.hit.primID];
     hit.face = r.hit.primID;
     hit.u = r.hit.u, hit.v = r.hit.v;

@@ -104,8 +104,8 @@ class TracedScene {
     std::vector<Vec3> vertex_colors_;               ///< linear; empty if there are none
     std::size_t cloud_size_ = 0, point_count_ = 0;  ///< number of all points, and of the drawn ones
     /// Contents of the solid scene, in the order of Embree's ids.
-    enum class Part : std::uint8_t { mesh, points, tubes };
-    std::vector<Part> parts_;
+    enum class GeometryKind : std::uint8_t { mesh, points, tubes };
+    std::vector<GeometryKind> kinds_;
     std::vector<std::vector<std::uint32_t>>
         tube_nodes_;  ///< for each geometry of tubes: nodes of its elements
     EmbreeDevice device_;

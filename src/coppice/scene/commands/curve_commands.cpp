@@ -202,7 +202,7 @@ SceneCommand sweep_command() {
         for (const ArgumentValue& v : call.values("scale"))
             scales.push_back({as_float(v.numbers.at(0)), as_float(v.numbers.at(1))});
         const Profile& profile = call.profile(call.text("profile"));
-        const double bytes = kBytesOfCurvePoint * (call.path(call.text("path")).piece_count() +
+        const double bytes = kBytesOfCurvePoint * (call.path(call.text("path")).span_count() +
                                                    static_cast<double>(corner_count(profile)));
         call.reserve(bytes);
         return makes_closed(call,
@@ -233,7 +233,7 @@ SceneCommand skin_command() {
     add_field_options(c);
     c.run = [](const SceneCall& call) {
         std::vector<SkinSection> sections_of_skin;
-        double corners = call.path(call.text("path")).piece_count();
+        double corners = call.path(call.text("path")).span_count();
         if (call.values("sections").size() > kMaxSections)
             throw InvalidInput(fmt::format("a skin has at most {} sections", kMaxSections));
         for (const ArgumentValue& v : call.values("sections")) {

@@ -150,11 +150,11 @@ Skeleton limb_along(const Curve& curve, double spacing, double radius, double ti
                     const SceneCall& call) {
     constexpr double kBytesOfNode = 100;
     const double length = curve.length();
-    call.reserve(kBytesOfNode * (length / spacing + curve.piece_count()));
+    call.reserve(kBytesOfNode * (length / spacing + curve.span_count()));
     std::vector<NodeId> parents{NodeId::none()};
     std::vector<Vec3> positions{Vec3(curve.position(curve.at_index(0)))};
     std::vector<float> radii{static_cast<float>(radius)};
-    for (std::uint32_t piece = 0; piece < curve.piece_count(); ++piece) {
+    for (std::uint32_t piece = 0; piece < curve.span_count(); ++piece) {
         const double part = curve.fraction(curve.at_index(piece + 1)) - curve.fraction(curve.at_index(piece));
         const int steps = std::max(1, static_cast<int>(std::ceil(part * length / spacing * (1 - 1e-9))));
         for (int i = 1; i <= steps; ++i) {

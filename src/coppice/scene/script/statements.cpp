@@ -23,32 +23,32 @@ bool opens_block(std::string_view name) { return name == "for" || name == "repea
 
 }  // namespace
 
-std::vector<ScenePiece> find_pieces(std::string_view text) {
-    std::vector<ScenePiece> pieces;
+std::vector<SceneSection> find_sections(std::string_view text) {
+    std::vector<SceneSection> sections;
     std::uint32_t number = 1;
     std::size_t depth = 0;
     bool joined = false;
     while (!text.empty()) {
         if (depth == 0 && !joined) {
-            pieces.push_back({number, {}});
+            sections.push_back({number, {}});
         } else {
-            pieces.back().text += '\n';
+            sections.back().text += '\n';
         }
         std::string line;
         const bool begins = !joined;
         joined = take_line(text, line);
         ++number;
-        pieces.back().text += line;
+        sections.back().text += line;
         const SceneStatement* statement = begins ? find_statement(line) : nullptr;
         if (statement == nullptr) continue;
         if (opens_block(statement->name)) ++depth;
         if (statement->name == "end" && depth > 0) --depth;
     }
-    return pieces;
+    return sections;
 }
 
-std::string run_piece(Scene& scene, std::string_view text, std::uint32_t line, const std::string& source,
-                      const Context& ctx) {
+std::string run_section(Scene& scene, std::string_view text, std::uint32_t line, const std::string& source,
+                        const Context& ctx) {
     std::string output;
     for (const SceneLine& command : scene_lines(text, source)) {
         ctx.throw_if_cancelled();

@@ -22,9 +22,9 @@ constexpr double kParentWidth = 1.5;   // [thickness of the parent] distance fro
 
 class Chooser {
   public:
-    Chooser(const Hull& hull, std::span<const HullPiece> pieces, std::span<const SketchView> views,
+    Chooser(const Hull& hull, std::span<const HullPath> paths, std::span<const SketchView> views,
             std::span<const SilhouetteField> fields, std::span<const Mask> masks)
-        : hull_(hull), pieces_(pieces), views_(views), fields_(fields), masks_(masks), shown_(views.size()) {
+        : hull_(hull), pieces_(paths), views_(views), fields_(fields), masks_(masks), shown_(views.size()) {
         for (std::size_t v = 0; v < views.size(); ++v) {
             find_pixels(v);
             shown_[v].assign(masks[v].inside.size(), 0);
@@ -53,18 +53,18 @@ class Chooser {
     }
 
   private:
-    /// Newly covered pixels of a piece and its unchosen predecessors.
+    /// Newly covered pixels of a path and its unchosen predecessors.
     struct Gain {
         std::size_t pixels = 0;   ///< in all views
         double second_share = 0;  ///< fraction of its own pixels, second largest value over the views
     };
 
-    Gain compute_gain(std::uint32_t piece) const {
+    Gain compute_gain(std::uint32_t path) const {
         Gain out;
         double first = 0;
         for (std::size_t v = 0; v < views_.size(); ++v) {
             std::size_t own = 0, fresh = 0;
-            for (std::uint32_t q = piece; q != kNoIndex && chosen_[q] == 0; q = pieces_[q].before) {
+            for (std::uint32_t q = path; q != kNoIndex && chosen_[q] == 0; q = pieces_[q].before) {
                 own += pixels_[v][q].size();
                 for (const std::size_t i : pixels_[v][q]) fresh += shown_[v][i] == 0 ? 1 : 0;
             }
@@ -76,10 +76,10 @@ class Chooser {
         return out;
     }
 
-    void take(std::uint32_t piece) {
-        chosen_[piece] = 1;
+    void take(std::uint32_t path) {
+        chosen_[path] = 1;
         for (std::size_t v = 0; v < views_.size(); ++v) {
-            walk(pieces_[piece], v, [&](PicturePoint at, double) {
+            walk(pieces_[path], v, [&](PicturePoint at, double) {
                 const double wide = std::max(fields_[v].inside_by(at).value_or(0), 0.0);
                 for_disc(at, kShownWidth * wide + kShownPixels, v, [&](std::size_t i) { shown_[v][i] = 1; });
             });
@@ -100,17 +100,17 @@ class Chooser {
         }
     }
 
-    /// Calls visit(place, radius) [pixels] along the image of a piece, outside its parent.
+    /// Calls visit(place, radius) [pixels] along the image of a path, outside its parent.
     template <class Visit>
-    void walk(const HullPiece& piece, std::size_t v, const Visit& visit) const {
-        const Vec3d fork = hull_.center(piece.cells.front());
-        const double within = piece.before == kNoIndex ? 0 : hull_.thickness(piece.cells.front());
+    void walk(const HullPath& path, std::size_t v, const Visit& visit) const {
+        const Vec3d fork = hull_.center(path.cells.front());
+        const double within = path.before == kNoIndex ? 0 : hull_.thickness(path.cells.front());
         double since = std::numeric_limits<double>::infinity();
-        for (std::size_t k = 0; k < piece.cells.size(); ++k) {
-            const Vec3d p = hull_.center(piece.cells[k]);
-            const double thick = hull_.thickness(piece.cells[k]);
-            if (k > 0) since += distance(p, hull_.center(piece.cells[k - 1]));
-            const bool is_last = k + 1 == piece.cells.size();
+        for (std::size_t k = 0; k < path.cells.size(); ++k) {
+            const Vec3d p = hull_.center(path.cells[k]);
+            const double thick = hull_.thickness(path.cells[k]);
+            if (k > 0) since += distance(p, hull_.center(path.cells[k - 1]));
+            const bool is_last = k + 1 == path.cells.size();
             if (!is_last && (distance(p, fork) < within || since < kStep * thick)) continue;
             since = 0;
             visit(project(views_[v], p), thick * pixels_per_metre(views_[v], p));
@@ -134,32 +134,32 @@ class Chooser {
     }
 
     const Hull& hull_;
-    std::span<const HullPiece> pieces_;
+    std::span<const HullPath> pieces_;
     std::span<const SketchView> views_;
     std::span<const SilhouetteField> fields_;
     std::span<const Mask> masks_;
-    std::vector<std::vector<std::vector<std::size_t>>> pixels_;  ///< by view and piece
+    std::vector<std::vector<std::vector<std::size_t>>> pixels_;  ///< by view and path
     std::vector<std::vector<std::uint8_t>> shown_;               ///< covered pixels by view
-    std::vector<char> chosen_;                                   ///< by piece
+    std::vector<char> chosen_;                                   ///< by path
 };
 
-/// Returns the chosen pieces; a piece with a single successor is merged with it.
-std::vector<HullPiece> joined(std::span<const HullPiece> pieces, std::span<const char> chosen) {
-    std::vector<std::uint32_t> children(pieces.size(), 0), made(pieces.size(), kNoIndex);
-    for (std::size_t p = 0; p < pieces.size(); ++p)
-        if (chosen[p] != 0 && pieces[p].before != kNoIndex) ++children[pieces[p].before];
-    std::vector<HullPiece> out;
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
+/// Returns the chosen paths; a path with a single successor is merged with it.
+std::vector<HullPath> joined(std::span<const HullPath> paths, std::span<const char> chosen) {
+    std::vector<std::uint32_t> children(paths.size(), 0), made(paths.size(), kNoIndex);
+    for (std::size_t p = 0; p < paths.size(); ++p)
+        if (chosen[p] != 0 && paths[p].before != kNoIndex) ++children[paths[p].before];
+    std::vector<HullPath> out;
+    for (std::size_t p = 0; p < paths.size(); ++p) {
         if (chosen[p] == 0) continue;
-        const HullPiece& piece = pieces[p];
-        if (piece.before != kNoIndex && children[piece.before] == 1) {
-            made[p] = made[piece.before];
+        const HullPath& path = paths[p];
+        if (path.before != kNoIndex && children[path.before] == 1) {
+            made[p] = made[path.before];
             auto& cells = out[made[p]].cells;
-            cells.insert(cells.end(), piece.cells.begin() + 1, piece.cells.end());
+            cells.insert(cells.end(), path.cells.begin() + 1, path.cells.end());
         } else {
             made[p] = static_cast<std::uint32_t>(out.size());
-            out.push_back(piece);
-            if (piece.before != kNoIndex) out.back().before = made[piece.before];
+            out.push_back(path);
+            if (path.before != kNoIndex) out.back().before = made[path.before];
         }
         out[made[p]].is_tip = children[p] == 0;
     }
@@ -177,11 +177,11 @@ void widen_end(const Hull& hull, std::span<const std::uint32_t> from_end, std::s
     std::fill(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(k), radii[k]);
 }
 
-/// Returns the radii [m] along a piece.
-std::vector<double> compute_radii(const Hull& hull, const HullPiece& piece) {
-    std::vector<std::uint32_t> cells = piece.cells;
+/// Returns the radii [m] along a path.
+std::vector<double> compute_radii(const Hull& hull, const HullPath& path) {
+    std::vector<std::uint32_t> cells = path.cells;
     const Vec3d fork = hull.center(cells.front());
-    const double within = piece.before == kNoIndex ? 0 : kParentWidth * hull.thickness(cells.front());
+    const double within = path.before == kNoIndex ? 0 : kParentWidth * hull.thickness(cells.front());
     std::vector<double> out;
     double known = hull.thickness(cells.back());
     for (std::size_t i = cells.size(); i-- > 0;) {
@@ -189,37 +189,37 @@ std::vector<double> compute_radii(const Hull& hull, const HullPiece& piece) {
         out.push_back(known);
     }
     std::ranges::reverse(cells);
-    if (piece.is_tip) widen_end(hull, cells, out);
+    if (path.is_tip) widen_end(hull, cells, out);
     std::ranges::reverse(cells);
     std::ranges::reverse(out);
-    if (piece.before == kNoIndex) widen_end(hull, cells, out);
+    if (path.before == kNoIndex) widen_end(hull, cells, out);
     return out;
 }
 
 }  // namespace
 
-std::vector<HullPiece> explaining(const Hull& hull, std::span<const HullPiece> pieces,
-                                  std::span<const SketchView> views, std::span<const SilhouetteField> fields,
-                                  std::span<const Mask> silhouettes, const Context& ctx) {
-    return joined(pieces, Chooser(hull, pieces, views, fields, silhouettes).run(ctx));
+std::vector<HullPath> explaining(const Hull& hull, std::span<const HullPath> paths,
+                                 std::span<const SketchView> views, std::span<const SilhouetteField> fields,
+                                 std::span<const Mask> silhouettes, const Context& ctx) {
+    return joined(paths, Chooser(hull, paths, views, fields, silhouettes).run(ctx));
 }
 
-std::vector<RawNode> find_nodes(const Hull& hull, std::span<const HullPiece> pieces) {
+std::vector<RawNode> find_nodes(const Hull& hull, std::span<const HullPath> paths) {
     std::vector<RawNode> out;
-    std::vector<std::int64_t> last(pieces.size(), -1);
-    for (std::size_t p = 0; p < pieces.size(); ++p) {
-        const HullPiece& piece = pieces[p];
-        const std::vector<double> radii = compute_radii(hull, piece);
-        const auto size = static_cast<std::ptrdiff_t>(piece.cells.size());
-        // All pieces that begin at the base share its single node.
-        last[p] = piece.before != kNoIndex ? last[piece.before] : out.empty() ? -1 : 0;
+    std::vector<std::int64_t> last(paths.size(), -1);
+    for (std::size_t p = 0; p < paths.size(); ++p) {
+        const HullPath& path = paths[p];
+        const std::vector<double> radii = compute_radii(hull, path);
+        const auto size = static_cast<std::ptrdiff_t>(path.cells.size());
+        // All paths that begin at the base share its single node.
+        last[p] = path.before != kNoIndex ? last[path.before] : out.empty() ? -1 : 0;
         for (std::ptrdiff_t i = last[p] < 0 ? 0 : 1; i < size; ++i) {
             const std::ptrdiff_t reach = std::min({kSmooth, i, size - 1 - i});
             RawNode node{.id = static_cast<std::int64_t>(out.size()), .parent = last[p], .position = {}};
             for (std::ptrdiff_t k = i - reach; k <= i + reach; ++k) {
                 const auto at = static_cast<std::size_t>(k);
                 const auto share = 1.0 / static_cast<double>(2 * reach + 1);
-                node.position += hull.center(piece.cells[at]) * share;
+                node.position += hull.center(path.cells[at]) * share;
                 node.radius += radii[at] * share;
             }
             last[p] = node.id;

@@ -59,25 +59,25 @@ Hull compute_hull(std::span<const SketchView> views, std::span<const SilhouetteF
                   const Context& ctx);
 
 /// A path through a hull between two forks, or from a fork to an end.
-struct HullPiece {
+struct HullPath {
     std::vector<std::uint32_t> cells;  ///< from the fork or base to the next fork or the end
-    std::uint32_t before = kNoIndex;   ///< the piece that it continues, which has a smaller index
-    bool is_tip = false;               ///< whether no other piece continues it
+    std::uint32_t before = kNoIndex;   ///< the path that it continues, which has a smaller index
+    bool is_tip = false;               ///< whether no other path continues it
 };
 
 /// Returns the tree of paths through the largest component of a hull from its base to all protruding ends,
 /// along the centres of the widest sections [Sato2000]. O(cells log cells). Throws Cancelled.
-std::vector<HullPiece> find_pieces(const Hull& hull, const Context& ctx);
+std::vector<HullPath> find_paths(const Hull& hull, const Context& ctx);
 
-/// Returns the pieces that cover pixels of the silhouettes which other pieces do not cover, with their
-/// predecessors: a piece that is behind or in front of others in all images is removed. At worst O(pixels of
-/// the pieces in all views) for each end, usually less. Throws Cancelled.
-std::vector<HullPiece> explaining(const Hull& hull, std::span<const HullPiece> pieces,
-                                  std::span<const SketchView> views, std::span<const SilhouetteField> fields,
-                                  std::span<const Mask> silhouettes, const Context& ctx);
+/// Returns the paths that cover pixels of the silhouettes which other paths do not cover, with their
+/// predecessors: a path that is behind or in front of others in all images is removed. At worst O(pixels of
+/// the paths in all views) for each end, usually less. Throws Cancelled.
+std::vector<HullPath> explaining(const Hull& hull, std::span<const HullPath> paths,
+                                 std::span<const SketchView> views, std::span<const SilhouetteField> fields,
+                                 std::span<const Mask> silhouettes, const Context& ctx);
 
-/// Returns the smoothed axes of pieces with the radii of the hull; a piece that leaves another one has its
+/// Returns the smoothed axes of paths with the radii of the hull; a path that leaves another one has its
 /// own radius from its start.
-std::vector<RawNode> find_nodes(const Hull& hull, std::span<const HullPiece> pieces);
+std::vector<RawNode> find_nodes(const Hull& hull, std::span<const HullPath> paths);
 
 }  // namespace coppice::sketch_internal

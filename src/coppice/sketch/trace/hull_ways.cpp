@@ -52,7 +52,7 @@ class WayFinder {
     WayFinder(const Hull& hull, const Context& ctx)
         : hull_(hull), ctx_(ctx), count_(static_cast<std::uint32_t>(hull.cells.size())), near_(hull.cells) {}
 
-    std::vector<HullPiece> run() {
+    std::vector<HullPath> run() {
         if (count_ == 0) return {};
         find_base();
         find_ways();
@@ -172,24 +172,24 @@ class WayFinder {
     }
 
     /// Splits paths at cells with several children.
-    std::vector<HullPiece> cut() const {
+    std::vector<HullPath> cut() const {
         std::vector<std::uint8_t> children(count_, 0);
         for (const std::uint32_t i : order_)
             if (on_way_[i] != 0 && i != base_) ++children[from_[i]];
-        std::vector<HullPiece> pieces;
-        std::vector<std::uint32_t> piece_index(count_, kNoIndex);
+        std::vector<HullPath> paths;
+        std::vector<std::uint32_t> path_index(count_, kNoIndex);
         for (const std::uint32_t i : order_) {
             if (on_way_[i] == 0 || i == base_) continue;
             const std::uint32_t from = from_[i];
-            piece_index[i] = piece_index[from];
+            path_index[i] = path_index[from];
             if (from == base_ || children[from] > 1) {
-                piece_index[i] = static_cast<std::uint32_t>(pieces.size());
-                pieces.push_back({.cells = {from}, .before = piece_index[from]});
+                path_index[i] = static_cast<std::uint32_t>(paths.size());
+                paths.push_back({.cells = {from}, .before = path_index[from]});
             }
-            pieces[piece_index[i]].cells.push_back(i);
-            pieces[piece_index[i]].is_tip = children[i] == 0;
+            paths[path_index[i]].cells.push_back(i);
+            paths[path_index[i]].is_tip = children[i] == 0;
         }
-        return pieces;
+        return paths;
     }
 
     const Hull& hull_;
@@ -207,8 +207,6 @@ class WayFinder {
 
 }  // namespace
 
-std::vector<HullPiece> find_pieces(const Hull& hull, const Context& ctx) {
-    return WayFinder(hull, ctx).run();
-}
+std::vector<HullPath> find_paths(const Hull& hull, const Context& ctx) { return WayFinder(hull, ctx).run(); }
 
 }  // namespace coppice::sketch_internal

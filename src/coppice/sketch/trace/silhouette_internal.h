@@ -49,21 +49,21 @@ struct LineGraph {
 LineGraph build_graph(const Mask& lines, const std::vector<float>& distance);
 
 /// A section of a line, directed away from the base.
-struct TracedPiece {
+struct TracedSection {
     std::vector<PicturePoint> points;     ///< [pixels] at least two
     double radius = 0;                    ///< [pixels] radius of the place where it begins
-    std::optional<std::uint32_t> before;  ///< the piece that it continues, which has a smaller index
+    std::optional<std::uint32_t> before;  ///< the section that it continues, which has a smaller index
     bool is_tip = false;                  ///< whether it ends where no other line does
 };
 
-/// Returns the pieces of lines that are connected to the lowest place. Where lines meet, each is entered from
-/// the one with the smallest turn, so that crossing branches pass each other. O(edges log edges).
-std::vector<TracedPiece> find_pieces(const LineGraph& graph, const Mask& mask,
-                                     const std::vector<float>& distance);
+/// Returns the sections of lines that are connected to the lowest place. Where lines meet, each is entered
+/// from the one with the smallest turn, so that crossing branches pass each other. O(edges log edges).
+std::vector<TracedSection> find_paths(const LineGraph& graph, const Mask& mask,
+                                      const std::vector<float>& distance);
 
-/// Converts consecutive pieces to a smooth stroke with a point every 8 pixels. A stroke that begins at the
+/// Converts consecutive sections to a smooth stroke with a point every 8 pixels. A stroke that begins at the
 /// base extends to the ground; one that leaves another has its own width from its start.
-Stroke stroke_along(std::span<const TracedPiece> pieces, std::span<const std::uint32_t> chain,
+Stroke stroke_along(std::span<const TracedSection> sections, std::span<const std::uint32_t> chain,
                     const Mask& mask, const std::vector<float>& distance);
 
 }  // namespace coppice::sketch_internal

@@ -46,21 +46,21 @@ class Walker {
         }
     }
 
-    std::vector<TracedPiece> run() {
+    std::vector<TracedSection> run() {
         const std::uint32_t lowest = find_lowest_node();
         if (lowest == kNoIndex) return {};
         walk_from(lowest);
-        std::vector<TracedPiece> out;
-        std::vector<std::uint32_t> piece(graph_.edges.size(), kNoIndex);
+        std::vector<TracedSection> out;
+        std::vector<std::uint32_t> section(graph_.edges.size(), kNoIndex);
         for (const std::uint32_t e : order_) {
-            piece[e] = static_cast<std::uint32_t>(out.size());
+            section[e] = static_cast<std::uint32_t>(out.size());
             const auto& nodes = graph_.edges[e].nodes;
             const std::uint32_t end = nodes[0] == from_[e] ? nodes[1] : nodes[0];
-            TracedPiece made{.points = points_from(e, from_[e]),
-                             .radius = graph_.places[from_[e]].radius,
-                             .before = {},
-                             .is_tip = at_[end].size() == 1};
-            if (before_[e] != kNoIndex) made.before = piece[before_[e]];
+            TracedSection made{.points = points_from(e, from_[e]),
+                               .radius = graph_.places[from_[e]].radius,
+                               .before = {},
+                               .is_tip = at_[end].size() == 1};
+            if (before_[e] != kNoIndex) made.before = section[before_[e]];
             out.push_back(std::move(made));
         }
         return out;
@@ -189,22 +189,22 @@ std::optional<PicturePoint> ground_below(const std::vector<PicturePoint>& line, 
 
 }  // namespace
 
-std::vector<TracedPiece> find_pieces(const LineGraph& graph, const Mask& mask,
-                                     const std::vector<float>& distance) {
+std::vector<TracedSection> find_paths(const LineGraph& graph, const Mask& mask,
+                                      const std::vector<float>& distance) {
     return Walker(graph, mask, distance).run();
 }
 
-Stroke stroke_along(std::span<const TracedPiece> pieces, std::span<const std::uint32_t> chain,
+Stroke stroke_along(std::span<const TracedSection> sections, std::span<const std::uint32_t> chain,
                     const Mask& mask, const std::vector<float>& distance) {
     std::vector<PicturePoint> line;
-    for (const std::uint32_t piece : chain) {
-        const auto& points = pieces[piece].points;
+    for (const std::uint32_t section : chain) {
+        const auto& points = sections[section].points;
         line.insert(line.end(), points.begin() + (line.empty() ? 0 : 1), points.end());
     }
     line = smoothed(line);
-    const bool from_base = !pieces[chain.front()].before;
+    const bool from_base = !sections[chain.front()].before;
     if (from_base) straighten_base(line, mask, distance);
-    const double near = from_base ? 0 : 1.5 * pieces[chain.front()].radius;
+    const double near = from_base ? 0 : 1.5 * sections[chain.front()].radius;
     Stroke out;
     if (const auto ground = from_base ? ground_below(line, mask) : std::nullopt) {
         out.points.push_back(*ground);

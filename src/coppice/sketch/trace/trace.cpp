@@ -33,16 +33,16 @@ constexpr double kMaxError = 4;  // [pixels] maximum distance of a branch from i
 struct Seen {
     Mask mask;
     std::vector<float> distance;
-    std::vector<TracedPiece> pieces;
-    std::vector<std::uint32_t> tips;   ///< pieces that end in a tip
+    std::vector<TracedSection> sections;
+    std::vector<std::uint32_t> tips;   ///< sections that end in a tip
     std::vector<Line> ways;            ///< by tip: line from the base to it
-    std::vector<std::uint32_t> owner;  ///< by piece: its branch
+    std::vector<std::uint32_t> owner;  ///< by section: its branch
     std::vector<char> taken;           ///< by tip: whether a branch ends there
 
-    /// Returns the pieces from the base to a piece.
-    std::vector<std::uint32_t> chain_to(std::uint32_t piece) const {
-        std::vector<std::uint32_t> out{piece};
-        while (pieces[out.back()].before) out.push_back(*pieces[out.back()].before);
+    /// Returns the sections from the base to a section.
+    std::vector<std::uint32_t> chain_to(std::uint32_t section) const {
+        std::vector<std::uint32_t> out{section};
+        while (sections[out.back()].before) out.push_back(*sections[out.back()].before);
         std::ranges::reverse(out);
         return out;
     }
@@ -97,13 +97,13 @@ class Tracer {
         Seen& seen = seen_[v];
         seen.mask = largest_part(silhouette);
         seen.distance = distance_to_outside(seen.mask);
-        seen.pieces =
-            find_pieces(build_graph(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
-        seen.owner.assign(seen.pieces.size(), kNoIndex);
-        for (std::uint32_t p = 0; p < seen.pieces.size(); ++p) {
-            if (!seen.pieces[p].is_tip) continue;
+        seen.sections =
+            find_paths(build_graph(thinned(seen.mask, ctx_), seen.distance), seen.mask, seen.distance);
+        seen.owner.assign(seen.sections.size(), kNoIndex);
+        for (std::uint32_t p = 0; p < seen.sections.size(); ++p) {
+            if (!seen.sections[p].is_tip) continue;
             seen.tips.push_back(p);
-            const Stroke way = stroke_along(seen.pieces, seen.chain_to(p), seen.mask, seen.distance);
+            const Stroke way = stroke_along(seen.sections, seen.chain_to(p), seen.mask, seen.distance);
             seen.ways.push_back(make_line(sketch_.views[v], way, {}, 1, false));
         }
         seen.taken.assign(seen.tips.size(), 0);
@@ -159,16 +159,16 @@ class Tracer {
 
     /// The section of the path to a tip that does not belong to a branch yet.
     struct Free {
-        std::vector<std::uint32_t> chain;  ///< pieces without a branch
-        std::uint32_t parent = kNoIndex;   ///< branch of the previous piece
+        std::vector<std::uint32_t> chain;  ///< sections without a branch
+        std::uint32_t parent = kNoIndex;   ///< branch of the previous section
     };
     Free free_part(const Seen& seen, std::uint32_t tip) const {
         Free out;
-        for (const std::uint32_t piece : seen.chain_to(seen.tips[tip])) {
-            if (seen.owner[piece] == kNoIndex) {
-                out.chain.push_back(piece);
+        for (const std::uint32_t section : seen.chain_to(seen.tips[tip])) {
+            if (seen.owner[section] == kNoIndex) {
+                out.chain.push_back(section);
             } else {
-                out = {.chain = {}, .parent = seen.owner[piece]};
+                out = {.chain = {}, .parent = seen.owner[section]};
             }
         }
         return out;
@@ -190,7 +190,7 @@ class Tracer {
         branch.name = axes_.empty() ? "stem" : "branch " + std::to_string(axes_.size());
         for (const std::uint32_t v : {0u, 1u}) {
             branch.strokes.push_back(
-                stroke_along(seen_[v].pieces, free[v].chain, seen_[v].mask, seen_[v].distance));
+                stroke_along(seen_[v].sections, free[v].chain, seen_[v].mask, seen_[v].distance));
             branch.strokes.back().view = v;
         }
         std::optional<std::uint32_t> parent;
@@ -207,8 +207,8 @@ class Tracer {
         if (axis.positions.empty()) return;
         for (const std::size_t v : {std::size_t{0}, std::size_t{1}}) {
             seen_[v].taken[pair.tips[v]] = 1;
-            for (const std::uint32_t piece : free[v].chain)
-                seen_[v].owner[piece] = static_cast<std::uint32_t>(axes_.size());
+            for (const std::uint32_t section : free[v].chain)
+                seen_[v].owner[section] = static_cast<std::uint32_t>(axes_.size());
         }
         branch.parent = parent;
         sketch_.branches.push_back(std::move(branch));
@@ -237,16 +237,16 @@ TraceResult trace_hull(const std::vector<SketchView>& views, std::span<const Mas
     std::vector<SilhouetteField> fields;
     for (const Mask& mask : silhouettes) fields.emplace_back(mask);
     const Hull hull = compute_hull(views, fields, ctx);
-    const std::vector<HullPiece> pieces = find_pieces(hull, ctx);
+    const std::vector<HullPath> sections = find_paths(hull, ctx);
     const std::vector<RawNode> nodes =
-        find_nodes(hull, explaining(hull, pieces, views, fields, silhouettes, ctx));
+        find_nodes(hull, explaining(hull, sections, views, fields, silhouettes, ctx));
     if (nodes.size() < 2)
         throw InvalidInput("trace: the silhouettes have no common space; check that the cameras are correct");
     const Skeleton skeleton =
         resample(repair(nodes, "trace").skeleton,
                  {.tolerance = kTracedTolerance, .min_spacing = 0, .max_length = 1e6f, .bend_angle = 3.15f})
             .skeleton;
-    const auto tips = std::ranges::count_if(pieces, &HullPiece::is_tip);
+    const auto tips = std::ranges::count_if(sections, &HullPath::is_tip);
     return {draw_sketch(skeleton, views, {.spacing = kTracedSpacing}), {static_cast<std::uint32_t>(tips)}};
 }
 

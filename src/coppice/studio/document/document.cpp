@@ -14,9 +14,9 @@ namespace coppice {
 
 using studio_internal::changed_objects;
 using studio_internal::mentions;
-using studio_internal::Piece;
 using studio_internal::Prefix;
 using studio_internal::Record;
+using studio_internal::StatementText;
 
 namespace {
 
@@ -85,30 +85,31 @@ std::vector<Document::Name> studio_internal::changed_objects(const SceneObjects&
 
 std::uint64_t Document::Version::bytes() const {
     std::uint64_t out = sizeof(*this) + name.size();
-    for (const Piece& piece : pieces) out += sizeof(piece) + piece.text->size();
+    for (const StatementText& statement : statements) out += sizeof(statement) + statement.text->size();
     return out;
 }
 
-std::vector<Piece> Document::Version::applied_to(const std::vector<Piece>& from) const {
+std::vector<StatementText> Document::Version::applied_to(const std::vector<StatementText>& from) const {
     const auto begin = from.begin() + static_cast<std::ptrdiff_t>(first);
-    std::vector<Piece> out(from.begin(), begin);
-    out.insert(out.end(), pieces.begin(), pieces.end());
+    std::vector<StatementText> out(from.begin(), begin);
+    out.insert(out.end(), statements.begin(), statements.end());
     out.insert(out.end(), begin + static_cast<std::ptrdiff_t>(count), from.end());
     return out;
 }
 
 /// Returns the version that restores `from`.
-Document::Version Document::Version::back(const std::vector<Piece>& from) const {
+Document::Version Document::Version::back(const std::vector<StatementText>& from) const {
     const auto begin = from.begin() + static_cast<std::ptrdiff_t>(first);
     return {.first = first,
-            .count = pieces.size(),
-            .pieces = {begin, begin + static_cast<std::ptrdiff_t>(count)},
+            .count = statements.size(),
+            .statements = {begin, begin + static_cast<std::ptrdiff_t>(count)},
             .file = nullptr,
             .name = name,
             .by = by};
 }
 
-Document::Version Document::difference(const std::vector<Piece>& from, const std::vector<Piece>& to) {
+Document::Version Document::difference(const std::vector<StatementText>& from,
+                                       const std::vector<StatementText>& to) {
     const auto [a, b] = std::ranges::mismatch(from, to);
     const std::size_t first = static_cast<std::size_t>(a - from.begin());
     std::size_t last = 0;  // number of equal statements at the end
@@ -117,7 +118,7 @@ Document::Version Document::difference(const std::vector<Piece>& from, const std
         ++last;
     return {.first = first,
             .count = from.size() - last - first,
-            .pieces = {b, to.end() - static_cast<std::ptrdiff_t>(last)},
+            .statements = {b, to.end() - static_cast<std::ptrdiff_t>(last)},
             .file = nullptr,
             .name = {},
             .by = {}};
@@ -134,27 +135,28 @@ Document::~Document() = default;
 Document::Document(Document&&) noexcept = default;
 Document& Document::operator=(Document&&) noexcept = default;
 
-std::vector<Piece> Document::pieces() const {
-    std::vector<Piece> out;
-    for (const PrefixPtr& p : last_->path()) out.push_back(p->piece);
+std::vector<StatementText> Document::texts() const {
+    std::vector<StatementText> out;
+    for (const PrefixPtr& p : last_->path()) out.push_back(p->statement);
     return out;
 }
 
-Document::PrefixPtr Document::find_prefix(const std::vector<Piece>& pieces) const {
+Document::PrefixPtr Document::find_prefix(const std::vector<StatementText>& statements) const {
     PrefixPtr last = root_;
-    for (const Piece& piece : pieces) last = last->with({piece.text, find_edition(*piece.text)});
+    for (const StatementText& statement : statements)
+        last = last->with({statement.text, find_edition(*statement.text)});
     return last;
 }
 
 Document::PrefixPtr Document::find_prefix(std::string_view text) const {
-    const std::vector<ScenePiece> statements = find_pieces(text);
+    const std::vector<SceneSection> statements = find_sections(text);
     if (statements.size() > kMaxLines)
         throw InvalidInput(fmt::format("the text has more than {} lines", kMaxLines));
     const std::vector<PrefixPtr> old = last_->path();
     PrefixPtr last = root_;
     for (std::size_t i = 0; i < statements.size(); ++i) {
         const bool same = i < old.size() && last == old[i]->before && old[i]->text() == statements[i].text;
-        last = same ? old[i] : last->with(find_piece(statements[i].text));
+        last = same ? old[i] : last->with(find_statement(statements[i].text));
     }
     check_room(*last);
     return last;
@@ -168,16 +170,16 @@ void Document::check_room(const Prefix& last) const {
 }
 
 std::size_t Document::run(const std::string& line, const std::optional<Name>& about, const Context& ctx) {
-    const std::vector<ScenePiece> statements = find_pieces(line);
+    const std::vector<SceneSection> statements = find_sections(line);
     if (statements.empty()) throw InvalidInput("the line is empty");
     const std::size_t at = place_for(about);
     const std::vector<PrefixPtr> old = last_->path();
     PrefixPtr last = at == 0 ? root_ : old[at - 1];
-    for (const ScenePiece& statement : statements) last = last->with(find_piece(statement.text));
+    for (const SceneSection& statement : statements) last = last->with(find_statement(statement.text));
     check_room(*last);
     if (Reached own = reach(last->path(), at + statements.size(), ctx); own.error)
         std::rethrow_exception(own.error);
-    for (std::size_t i = at; i < old.size(); ++i) last = last->with(old[i]->piece);
+    for (std::size_t i = at; i < old.size(); ++i) last = last->with(old[i]->statement);
     check_room(*last);
     Reached reached = reach(last->path(), goal() + statements.size(), ctx);
     change(last, std::move(reached), {.name = statements.front().text});
@@ -223,7 +225,7 @@ void Document::step(std::deque<Version>& from, std::deque<Version>& to, std::siz
         throw InvalidInput(from.empty() ? fmt::format("there is nothing to be {}", subject)
                                         : fmt::format("only {} changes can be {}", from.size(), subject));
     }
-    std::vector<Piece> list = pieces();
+    std::vector<StatementText> list = texts();
     std::vector<Version> back;
     for (std::size_t i = 0; i < count; ++i) {
         const Version& version = from[from.size() - 1 - i];
@@ -249,7 +251,7 @@ bool Document::rerun(const std::string& file, const Context& ctx) {
         oldest_edition_ = ++edition_;
     }
     files_[file] = ++edition_;
-    PrefixPtr last = find_prefix(pieces());
+    PrefixPtr last = find_prefix(texts());
     if (last == last_) return false;
     Reached reached = reach(last->path(), goal(), ctx);
     show(std::move(last), std::move(reached));
@@ -264,7 +266,7 @@ std::uint32_t Document::find_edition(const std::string& text) const {
     return out;
 }
 
-Piece Document::find_piece(const std::string& text) const {
+StatementText Document::find_statement(const std::string& text) const {
     return {std::make_shared<const std::string>(text), find_edition(text)};
 }
 
@@ -282,7 +284,7 @@ void Document::run_one(Prefix& prefix, Scene& scene, const Context& ctx) const {
     const SceneObjects before = scene.state().objects;
     const auto start = std::chrono::steady_clock::now();
     const std::uint32_t line = prefix.before->lines + 1;
-    std::string message = run_piece(scene, prefix.text(), line, file_->empty() ? "scene" : *file_, ctx);
+    std::string message = run_section(scene, prefix.text(), line, file_->empty() ? "scene" : *file_, ctx);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (message.size() > kMaxMessage) message = message.substr(0, kMaxMessage) + "\n...\n";
     if (root_->tree_bytes() + message.size() > limits_.texts / 2) message.clear();
@@ -383,9 +385,9 @@ void Document::show(PrefixPtr last, Reached reached) {
 
 void Document::change(PrefixPtr last, Reached reached, TextChange how) {
     std::string name = name_of_change(how.name);
-    const std::vector<Piece> before = pieces();
+    const std::vector<StatementText> before = texts();
     show(std::move(last), std::move(reached));
-    const std::vector<Piece> now = pieces();
+    const std::vector<StatementText> now = texts();
     const bool joins =
         how.joins && joinable_ && !done_.empty() && done_.back().name == name && done_.back().by == how.by;
     Version version = difference(now, joins ? done_.back().applied_to(before) : before);

@@ -19,7 +19,7 @@ namespace coppice {
 
 namespace studio_internal {
 class Prefix;
-struct Piece;
+struct StatementText;
 }  // namespace studio_internal
 
 /// Memory limits of a document.
@@ -130,19 +130,19 @@ class Document {
     using Prefix = studio_internal::Prefix;
     using PrefixPtr = std::shared_ptr<Prefix>;
     using File = std::shared_ptr<std::string>;  ///< shared by all versions of a text
-    using Piece = studio_internal::Piece;
+    using StatementText = studio_internal::StatementText;
     /// The difference to another version of the text.
     struct Version {
-        std::size_t first = 0;      ///< index of the first statement that differs
-        std::size_t count = 0;      ///< number of statements to remove
-        std::vector<Piece> pieces;  ///< statements to insert
+        std::size_t first = 0;                  ///< index of the first statement that differs
+        std::size_t count = 0;                  ///< number of statements to remove
+        std::vector<StatementText> statements;  ///< statements to insert
         File file;
         std::string name;
         std::string by;
 
         std::uint64_t bytes() const;
-        Version back(const std::vector<Piece>& from) const;
-        std::vector<Piece> applied_to(const std::vector<Piece>& from) const;
+        Version back(const std::vector<StatementText>& from) const;
+        std::vector<StatementText> applied_to(const std::vector<StatementText>& from) const;
     };
     struct Reached {
         std::size_t ran = 0;
@@ -151,11 +151,11 @@ class Document {
         std::exception_ptr error;  ///< cause of the failure
     };
 
-    static Version difference(const std::vector<Piece>& from, const std::vector<Piece>& to);
+    static Version difference(const std::vector<StatementText>& from, const std::vector<StatementText>& to);
     std::uint32_t find_edition(const std::string& text) const;
-    Piece find_piece(const std::string& text) const;
-    std::vector<Piece> pieces() const;
-    PrefixPtr find_prefix(const std::vector<Piece>& pieces) const;
+    StatementText find_statement(const std::string& text) const;
+    std::vector<StatementText> texts() const;
+    PrefixPtr find_prefix(const std::vector<StatementText>& statements) const;
     PrefixPtr find_prefix(std::string_view text) const;
     void check_room(const Prefix& last) const;
     Reached reach(const std::vector<PrefixPtr>& path, std::size_t count, const Context& ctx) const;

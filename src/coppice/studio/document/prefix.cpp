@@ -26,7 +26,7 @@ Prefix::~Prefix() {
 }
 
 void Prefix::leave_tree() {
-    if (before) before->next_.erase({piece.edition, *piece.text});
+    if (before) before->next_.erase({statement.edition, *statement.text});
     count(-bytes_);
 }
 
@@ -35,18 +35,18 @@ void Prefix::count(std::int64_t bytes) {
     *tree_bytes_ += static_cast<std::uint64_t>(bytes);
 }
 
-Prefix::Ptr Prefix::with(const Piece& next) {
+Prefix::Ptr Prefix::with(const StatementText& next) {
     const auto known = next_.find({next.edition, *next.text});
     if (known != next_.end()) return known->second.lock();
     auto made = std::make_shared<Prefix>();
     made->tree_bytes_ = tree_bytes_;
     made->before = shared_from_this();
-    made->piece = next;
+    made->statement = next;
     made->depth = depth + 1;
     made->lines = lines + 1 + static_cast<std::uint32_t>(std::ranges::count(*next.text, '\n'));
     made->count(kBytesOfPrefix + static_cast<std::int64_t>(next.text->size()));
     made->list_bytes = list_bytes + static_cast<std::uint64_t>(made->bytes_);
-    next_[{next.edition, *made->piece.text}] = made;
+    next_[{next.edition, *made->statement.text}] = made;
     return made;
 }
 

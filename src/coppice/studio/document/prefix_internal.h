@@ -23,11 +23,11 @@ struct Record {
 };
 
 /// The text of a statement, shared by all lists that contain it, and the edition of the files that it reads.
-struct Piece {
+struct StatementText {
     std::shared_ptr<const std::string> text;
     std::uint32_t edition = 0;
 
-    friend bool operator==(const Piece& a, const Piece& b) {
+    friend bool operator==(const StatementText& a, const StatementText& b) {
         return a.edition == b.edition && (a.text == b.text || *a.text == *b.text);
     }
 };
@@ -43,20 +43,20 @@ class Prefix : public std::enable_shared_from_this<Prefix> {
     Prefix(const Prefix&) = delete;
     Prefix& operator=(const Prefix&) = delete;
 
-    /// Returns this prefix with one more statement: the same object for the same piece.
-    Ptr with(const Piece& next);
+    /// Returns this prefix with one more statement: the same object for the same statement.
+    Ptr with(const StatementText& next);
 
     /// Returns all prefixes from the first statement to this one.
     std::vector<Ptr> path();
 
-    const std::string& text() const { return *piece.text; }  ///< of the last statement
-    void note(Record made);                                  ///< stores the result of the last statement
+    const std::string& text() const { return *statement.text; }  ///< of the last statement
+    void note(Record made);                                      ///< stores the result of the last statement
     std::uint64_t tree_bytes() const {
         return *tree_bytes_;
     }  ///< approximate size of all prefixes in the tree
 
     Ptr before;                    ///< prefix without the last statement; null: the empty document
-    Piece piece;                   ///< the last statement
+    StatementText statement;       ///< the last statement
     std::size_t depth = 0;         ///< number of statements
     std::uint32_t lines = 0;       ///< number of lines of all statements
     std::uint64_t list_bytes = 0;  ///< approximate size of all statements
@@ -67,7 +67,7 @@ class Prefix : public std::enable_shared_from_this<Prefix> {
     std::uint64_t used = 0;  ///< time of the last use of the state
 
   private:
-    /// refers to the text of a piece that the prefix owns
+    /// refers to the text of a statement that the prefix owns
     using Key = std::pair<std::uint32_t, std::string_view>;
 
     void leave_tree();

@@ -42,7 +42,7 @@ void follow_solids(const Studio& studio, std::size_t from, Preview& preview, con
         const bool follows = std::ranges::any_of(
             preview.changed, [&](const Document::Name& name) { return mentions(text, name.second); });
         try {
-            run_piece(preview.scene, text, 1, "preview", ctx);
+            run_section(preview.scene, text, 1, "preview", ctx);
         } catch (const InvalidInput&) {
             continue;  // shown as far as it succeeds: running the line reports the error
         }
@@ -58,7 +58,7 @@ Preview previewed(const Studio& studio, const Request& request) {
     Preview preview{*before, {}};
     preview.scene.forbid_outputs();
     const NamedLine named = with_new_names(request.text("line"), studio.document.scene().state().objects);
-    run_piece(preview.scene, named.line, 1, "preview", request.ctx);
+    run_section(preview.scene, named.line, 1, "preview", request.ctx);
     for (const Document::Name& name : changed_objects(before->state().objects, preview.scene.state().objects))
         preview.changed.insert(name);
     follow_solids(studio, at, preview, request.ctx);

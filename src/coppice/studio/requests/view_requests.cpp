@@ -123,7 +123,7 @@ Json trial(Studio& studio, const Request& request) {
     const bool surface = kind == ObjectKind::skeleton && form == "surface";
     Scene scene = studio.document.scene();
     scene.forbid_outputs();
-    const std::string message = run_piece(scene, request.text("line"), 1, "trial", request.ctx);
+    const std::string message = run_section(scene, request.text("line"), 1, "trial", request.ctx);
     if (surface)
         scene.run(fmt::format("mesh {0} {0}{1}", quoted_word(name), surface_options(request)), {},
                   request.ctx);

@@ -364,7 +364,7 @@ ObjectCount count_elements(const SceneObject& object) {
     if (const auto* profile = std::get_if<Profile>(&object.value))
         return {profile->contours().size(), "contours"};
     if (object.kind() == ObjectKind::material) return {1, "materials"};
-    return {std::get<Curve>(object.value).piece_count(), "pieces"};
+    return {std::get<Curve>(object.value).span_count(), "pieces"};
 }
 
 }  // namespace coppice

@@ -63,8 +63,9 @@ void for_each_face_above(std::uint32_t c, const Visit& visit) {
     visit(kFirstFace + 3, 1u, 2u);
 }
 
-std::uint32_t find_corner(const TetraRefinement::Parts& parts, std::uint32_t vertex) {
-    return static_cast<std::uint32_t>(std::find(parts.begin(), parts.begin() + 3, vertex) - parts.begin());
+std::uint32_t find_corner(const TetraRefinement::Elements& elements, std::uint32_t vertex) {
+    return static_cast<std::uint32_t>(std::find(elements.begin(), elements.begin() + 3, vertex) -
+                                      elements.begin());
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ TetraRefinement::TetraRefinement(const TetraMesh& coarse, int levels, const Cont
     describe(ctx);
     find_vertex_stars(ctx);
     ctx.throw_if_cancelled();
-    find_parts(ctx);
+    find_elements(ctx);
 
     vertices_.per_kind = fine_vertices_per_part(levels);
     const std::uint64_t total =
@@ -124,10 +125,10 @@ void TetraRefinement::check(const Context& ctx) const {
 
 void TetraRefinement::describe(const Context& ctx) {
     const std::size_t count = coarse_.tetra.size();
-    parts_.resize(count);
+    elements_.resize(count);
     traits_.resize(count);
     parallel_for(ctx, count, kRefinementGrain, [&](std::size_t t) {
-        tetra_kernel::describe_tetra(coarse_.positions.data(), coarse_.tetra[t], levels_, parts_[t],
+        tetra_kernel::describe_tetra(coarse_.positions.data(), coarse_.tetra[t], levels_, elements_[t],
                                      traits_[t]);
     });
 }
@@ -156,14 +157,14 @@ void TetraRefinement::find_vertex_stars(const Context& ctx) {
 
 /// Every vertex numbers the edges and faces that have it as their smallest vertex, in the order in which the
 /// tetrahedra around it list them.
-void TetraRefinement::find_parts(const Context& ctx) {
+void TetraRefinement::find_elements(const Context& ctx) {
     constexpr std::size_t kVertexGrain = 512;
     const std::size_t vertices = coarse_.positions.size();
     first_edge_.assign(vertices + 1, 0);
     first_face_.assign(vertices + 1, 0);
     struct Found {
         std::vector<float> edges, faces;  ///< [m] for each, the shortest fine edge around it
-        std::vector<TetraFace> hull;      ///< faces of only one tetrahedron, opposite a vertex of `parts`
+        std::vector<TetraFace> hull;      ///< faces of only one tetrahedron, opposite a vertex of `elements`
         std::uint32_t crowded = kNoIndex;
     };
     std::vector<Found> found((vertices + kVertexGrain - 1) / kVertexGrain);
@@ -180,7 +181,7 @@ void TetraRefinement::find_parts(const Context& ctx) {
             const std::size_t edges_before = f.edges.size(), faces_before = f.faces.size();
             bool first = true;
             for (const std::uint32_t t : at_vertex(static_cast<std::uint32_t>(v))) {
-                Parts& p = parts_[t];
+                Elements& p = elements_[t];
                 const float shortest = traits_[t].shortest_edge;
                 const std::uint32_t c = find_corner(p, static_cast<std::uint32_t>(v));
                 // Registers an edge or face at this vertex; its first tetrahedron owns it.
@@ -225,8 +226,8 @@ void TetraRefinement::find_parts(const Context& ctx) {
     }
     const std::uint32_t edge_count = exclusive_scan(std::span(first_edge_));
     shortest_at_.resize(vertices + edge_count + exclusive_scan(std::span(first_face_)));
-    parallel_for(ctx, parts_.size(), kRefinementGrain, [&](std::size_t t) {
-        Parts& p = parts_[t];
+    parallel_for(ctx, elements_.size(), kRefinementGrain, [&](std::size_t t) {
+        Elements& p = elements_[t];
         for (std::uint32_t e = 0; e < 6; ++e) p[kFirstEdge + e] += first_edge_[p[kTetraEdges[e][0]]];
         for (std::uint32_t f = 0; f < 4; ++f) p[kFirstFace + f] += first_face_[p[f == 0 ? 1 : 0]];
     });
@@ -268,11 +269,11 @@ std::vector<std::uint32_t> TetraRefinement::around(Kind kind, std::uint32_t part
 RefinementView TetraRefinement::view() const {
     RefinementView out;
     out.positions = coarse_.positions;
-    out.parts = parts_;
+    out.elements = elements_;
     out.traits = traits_;
     out.shortest_at = shortest_at_;
     const auto vertices = static_cast<std::uint32_t>(coarse_.positions.size());
-    out.first_part = {0, vertices, vertices + edge_count(), vertices + edge_count() + face_count()};
+    out.first_element = {0, vertices, vertices + edge_count(), vertices + edge_count() + face_count()};
     for (std::size_t d = 0; d < 3; ++d) out.patterns[d] = make_view(patterns_[d]);
     out.vertices = vertices_;
     out.edges.per_kind = fine_edges_per_part(patterns_[0]);
@@ -286,7 +287,7 @@ std::uint32_t TetraRefinement::group_in(std::uint32_t tetra, Kind kind, std::uin
     if (kind == Kind::inside) return TetraPattern::kInside;
     constexpr std::array<std::uint32_t, 4> kFirst{0, kFirstEdge, kFirstFace, TetraPattern::kInside};
     const auto k = static_cast<std::size_t>(kind);
-    const Parts& p = parts_[tetra];
+    const Elements& p = elements_[tetra];
     std::uint32_t group = kFirst[k];
     while (group < kFirst[k + 1] && p[group] != part) ++group;
     return group < kFirst[k + 1] ? group : TetraPattern::kGroups;

@@ -26,9 +26,9 @@ namespace coppice {
 /// order.
 class TetraRefinement {
   public:
-    using Parts = TetraParts;    ///< see TetraParts
-    using Kind = TetraPartKind;  ///< of the coarse element that contains a fine vertex
-    using Place = FinePlace;     ///< position of a fine vertex in the coarse mesh
+    using Elements = TetraElements;  ///< see TetraElements
+    using Kind = TetraElementKind;   ///< of the coarse element that contains a fine vertex
+    using Place = FinePlace;         ///< position of a fine vertex in the coarse mesh
 
     /// The coarse mesh must outlive this object. Throws InvalidInput naming `levels` if it is out of range or
     /// would create more than kMaxVertices fine vertices, and naming the first tetrahedron that refers to a
@@ -48,7 +48,7 @@ class TetraRefinement {
         return std::uint64_t{coarse_.tetra.size()} << 3 * levels_;
     }
 
-    const Parts& parts(std::uint32_t tetra) const { return parts_[tetra]; }  ///< see Parts
+    const Elements& elements(std::uint32_t tetra) const { return elements_[tetra]; }  ///< see Elements
     /// subdivision of a coarse tetrahedron
     const TetraPattern& pattern(std::uint32_t tetra) const { return patterns_[traits_[tetra].diagonal]; }
     /// Returns the number of the diagonal along which it is cut.
@@ -73,7 +73,7 @@ class TetraRefinement {
 
     /// Number of the first fine vertex inside the element of a group; the others follow.
     std::uint32_t first_vertex(std::uint32_t tetra, std::uint32_t group) const {
-        return vertices_.first(tetra, parts_[tetra], group);
+        return vertices_.first(tetra, elements_[tetra], group);
     }
     /// Returns the number of a fine vertex, given by its local number in a coarse tetrahedron.
     std::uint32_t vertex(std::uint32_t tetra, TetraPattern::Local local) const {
@@ -85,7 +85,7 @@ class TetraRefinement {
     Place place(std::uint32_t vertex) const { return vertices_.place(vertex); }
     /// [m] Bit-identical for every coarse tetrahedron that contains the vertex.
     Vec3 position(std::uint32_t tetra, TetraPattern::Local local) const {
-        return fine_position(coarse_.positions.data(), parts_[tetra], pattern(tetra).shares[local]);
+        return fine_position(coarse_.positions.data(), elements_[tetra], pattern(tetra).shares[local]);
     }
     /// Returns the same data as spans, which are valid as long as this object.
     RefinementView view() const;
@@ -101,7 +101,7 @@ class TetraRefinement {
     void check(const Context& ctx) const;
     void describe(const Context& ctx);
     void find_vertex_stars(const Context& ctx);
-    void find_parts(const Context& ctx);
+    void find_elements(const Context& ctx);
 
     std::span<const std::uint32_t> at_vertex(std::uint32_t v) const {
         return std::span(at_vertex_)
@@ -113,7 +113,7 @@ class TetraRefinement {
     }
     /// Index of the element of a group in `shortest_at_`.
     std::size_t part_index(std::uint32_t tetra, std::uint32_t group) const {
-        const std::size_t part = parts_[tetra][group];
+        const std::size_t part = elements_[tetra][group];
         return group < 4    ? part
                : group < 10 ? coarse_.positions.size() + part
                             : coarse_.positions.size() + edge_count() + part;
@@ -122,7 +122,7 @@ class TetraRefinement {
     const TetraMesh& coarse_;
     int levels_;
     std::array<TetraPattern, 3> patterns_;  ///< by diagonal
-    Buffer<Parts> parts_;
+    Buffer<Elements> elements_;
     Buffer<Traits> traits_;
     Buffer<std::uint32_t> first_at_vertex_, at_vertex_;
     Buffer<std::uint32_t> first_edge_,

@@ -89,7 +89,7 @@ COPPICE_HOST_DEVICE inline bool is_sound(const Corners& p) {
 /// Describes a tetrahedron that is cut into eight `levels` times: writes its vertices in ascending order, and
 /// all properties that depend on it alone. It owns its interior.
 COPPICE_HOST_DEVICE inline void describe_tetra(const Vec3* positions, const Tetra& tetra, int levels,
-                                               TetraParts& parts, TetraTraits& traits) {
+                                               TetraElements& elements, TetraTraits& traits) {
     Tetra sorted = tetra;
     bool odd = false;
     const auto order = [&](std::size_t i, std::size_t j) {
@@ -104,7 +104,7 @@ COPPICE_HOST_DEVICE inline void describe_tetra(const Vec3* positions, const Tetr
     order(0, 2);
     order(1, 3);
     order(1, 2);
-    for (std::size_t i = 0; i < 4; ++i) parts[i] = sorted[i];
+    for (std::size_t i = 0; i < 4; ++i) elements[i] = sorted[i];
     const Corners corners = get_corners(positions, sorted);
     const std::uint8_t diagonal = shortest_diagonal(corners);
     const TetraExtent e = tetra_extent(corners, diagonal);

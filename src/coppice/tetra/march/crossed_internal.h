@@ -23,7 +23,7 @@ struct Crossing {
 /// The fine tetrahedra that the surface crosses, in order, in chunks of a few regions each.
 class CrossedTetra {
   public:
-    struct Piece {
+    struct Chunk {
         std::vector<std::uint32_t> active;  ///< coarse tetrahedra with corners on both sides, ascending
         std::vector<std::uint32_t> end;     ///< for each: the end of its crossings
         std::vector<Crossing> crossings;
@@ -39,16 +39,16 @@ class CrossedTetra {
     /// Recomputes the chunks that contain one of these coarse tetrahedra, which must be ascending.
     void update(std::span<const std::uint32_t> tetra, const Context& ctx);
 
-    std::span<const Piece> pieces() const { return pieces_; }
+    std::span<const Chunk> chunks() const { return chunks_; }
     std::uint64_t count() const;  ///< number of fine tetrahedra
-    IndexRange regions(std::size_t piece) const;
+    IndexRange regions(std::size_t chunk) const;
 
   private:
-    void list(std::size_t piece);
+    void list(std::size_t chunk);
 
     const TetraRefinement& refinement_;
     const Samples& samples_;
-    std::vector<Piece> pieces_;
+    std::vector<Chunk> chunks_;
 };
 
 /// The fine edges of a coarse tetrahedron with a vertex of the surface in their interior.
@@ -107,10 +107,10 @@ class CutNumbers {
     /// faces, and the interior.
     template <class Use>
     void for_each_holder(std::uint32_t t, const Use& use) const {
-        const auto& parts = refinement_.parts(t);
+        const auto& elements = refinement_.elements(t);
         const std::size_t faces = refinement_.edge_count(), insides = faces + refinement_.face_count();
         for (std::uint32_t g = 4; g < TetraPattern::kGroups; ++g)
-            use(g, g < 10 ? parts[g] : g < TetraPattern::kInside ? faces + parts[g] : insides + t);
+            use(g, g < 10 ? elements[g] : g < TetraPattern::kInside ? faces + elements[g] : insides + t);
     }
 
     const TetraRefinement& refinement_;

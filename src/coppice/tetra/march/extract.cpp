@@ -50,9 +50,9 @@ class Extractor {
 
     ExtractedSurface extract(int refinements, bool with_solid) {
         ExtractedSurface out;
-        std::vector<std::uint64_t> triangles(crossed_.pieces().size());
-        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
-            for (const Crossing& crossing : piece.crossings) triangles[p] += crossing.cut().size - 2u;
+        std::vector<std::uint64_t> triangles(crossed_.chunks().size());
+        for_each_chunk([&](std::size_t p, const CrossedTetra::Chunk& chunk) {
+            for (const Crossing& crossing : chunk.crossings) triangles[p] += crossing.cut().size - 2u;
         });
         out.crossed = crossed_.count();
         const std::uint64_t triangle_count = exclusive_scan<std::uint64_t>(triangles);
@@ -65,12 +65,12 @@ class Extractor {
             if (placed_.number[i] != kNoIndex) mesh_.positions[placed_.number[i]] = samples_.place[i];
         });
         ctx_.throw_if_cancelled();
-        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
-            place_cuts(crossed_.regions(p), piece, refinements);
+        for_each_chunk([&](std::size_t p, const CrossedTetra::Chunk& chunk) {
+            place_cuts(crossed_.regions(p), chunk, refinements);
         });
         ctx_.throw_if_cancelled();
-        for_each_piece([&](std::size_t p, const CrossedTetra::Piece& piece) {
-            write_triangles(piece, mesh_.triangles.data() + triangles[p]);
+        for_each_chunk([&](std::size_t p, const CrossedTetra::Chunk& chunk) {
+            write_triangles(chunk, mesh_.triangles.data() + triangles[p]);
         });
         if (with_solid)
             out.solid =
@@ -81,20 +81,20 @@ class Extractor {
 
   private:
     template <class Body>
-    void for_each_piece(const Body& body) {
-        const auto pieces = crossed_.pieces();
-        parallel_for(ctx_, pieces.size(), 1, [&](std::size_t p) { body(p, pieces[p]); });
+    void for_each_chunk(const Body& body) {
+        const auto chunks = crossed_.chunks();
+        parallel_for(ctx_, chunks.size(), 1, [&](std::size_t p) { body(p, chunks[p]); });
     }
 
-    void place_cuts(IndexRange regions, const CrossedTetra::Piece& piece, int refinements) {
+    void place_cuts(IndexRange regions, const CrossedTetra::Chunk& chunk, int refinements) {
         CutEdges edges;
         std::vector<NumberedCut> cuts;
         std::size_t i = 0;
         for (std::size_t region = regions.begin; region < regions.end; ++region) {
             cuts.clear();
-            for (; i < piece.active.size() && piece.active[i] < refinement_.coarse().first[region + 1]; ++i) {
-                edges.assign(refinement_.pattern(piece.active[i]), piece.of(i));
-                list_cuts(piece.active[i], edges, cuts);
+            for (; i < chunk.active.size() && chunk.active[i] < refinement_.coarse().first[region + 1]; ++i) {
+                edges.assign(refinement_.pattern(chunk.active[i]), chunk.of(i));
+                list_cuts(chunk.active[i], edges, cuts);
             }
             for (std::size_t c = 0; c < cuts.size(); c += kBatch)
                 refine_cuts(static_cast<std::uint32_t>(region),
@@ -130,15 +130,15 @@ class Extractor {
         for (std::size_t i = 0; i < cuts.size(); ++i) mesh_.positions[cuts[i].vertex] = points[i];
     }
 
-    void write_triangles(const CrossedTetra::Piece& piece, Triangle* out) {
+    void write_triangles(const CrossedTetra::Chunk& chunk, Triangle* out) {
         CutEdges edges;
         std::vector<std::uint32_t> of_edge;
-        for (std::size_t i = 0; i < piece.active.size(); ++i) {
-            const std::uint32_t t = piece.active[i];
+        for (std::size_t i = 0; i < chunk.active.size(); ++i) {
+            const std::uint32_t t = chunk.active[i];
             const TetraPattern& pattern = refinement_.pattern(t);
-            edges.assign(pattern, piece.of(i));
+            edges.assign(pattern, chunk.of(i));
             numbers_.number_edges(t, edges, of_edge);
-            for (const Crossing& crossing : piece.of(i)) {
+            for (const Crossing& crossing : chunk.of(i)) {
                 const Cut& cut = crossing.cut();
                 const auto& fine = pattern.tetra[crossing.fine];
                 std::array<std::uint32_t, 4> corners{};

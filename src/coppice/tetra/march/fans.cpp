@@ -19,7 +19,7 @@ class FanFinder {
         const std::size_t count = samples_.place.size();
         size_.assign(count, 0);
         links_.resize(count);
-        parallel_for(ctx_, crossed_.pieces().size(), 1, [&](std::size_t p) { list_segments(p); });
+        parallel_for(ctx_, crossed_.chunks().size(), 1, [&](std::size_t p) { list_segments(p); });
         std::vector<Fan> fans(count);
         parallel_for(ctx_, count, kGrain, [&](std::size_t i) { fans[i] = links_[i].judge(size_[i]); });
         return fans;
@@ -30,8 +30,8 @@ class FanFinder {
     using Key = ListedFan::Key;
     using Segment = LinkSegment<Key>;
 
-    void list_segments(std::size_t piece) {
-        const CrossedTetra::Piece& p = crossed_.pieces()[piece];
+    void list_segments(std::size_t chunk) {
+        const CrossedTetra::Chunk& p = crossed_.chunks()[chunk];
         for (std::size_t i = 0; i < p.active.size(); ++i) {
             for (const Crossing& c : p.of(i)) {
                 if (c.any_on()) list_segments(p.active[i], c);

@@ -71,7 +71,7 @@ class FoldFinder {
                                      : refinement_.position(t, local));
         }
         volume_ = tetra_kernel::tetra_volume(tetra_kernel::get_corners(refinement_.coarse().positions.data(),
-                                                                       refinement_.parts(t))) /
+                                                                       refinement_.elements(t))) /
                   static_cast<double>(refinement_.pattern(t).tetra.size());
         placed_ = true;
     }

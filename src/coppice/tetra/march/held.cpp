@@ -44,7 +44,7 @@ class Holder {
     };
 
     tetra_kernel::Corners get_corners(std::uint32_t t) const {
-        return tetra_kernel::get_corners(refinement_.coarse().positions.data(), refinement_.parts(t));
+        return tetra_kernel::get_corners(refinement_.coarse().positions.data(), refinement_.elements(t));
     }
 
     void describe(std::uint32_t region) {

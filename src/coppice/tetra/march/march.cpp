@@ -5,7 +5,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/option_fields.h"
 #include "coppice/tetra/lattice/refinement.h"
-#include "coppice/tetra/march/parts_internal.h"
+#include "coppice/tetra/march/components_internal.h"
 #include "coppice/tetra/march/snapping_internal.h"
 
 namespace coppice {
@@ -36,7 +36,7 @@ void extract(const Task& task, const TetraRefinement& refinement, Samples& sampl
 void drop_unheld(const Task& task, const TetraRefinement& refinement, const Samples& samples,
                  const HeldVertices& held, MarchResult& out, const Context& ctx) {
     const std::vector<Vec3> places = held_places(refinement, held, samples);
-    const DroppedParts dropped = drop_parts(out.mesh, places, !task.with_solid, ctx);
+    const RemovedComponents dropped = drop_parts(out.mesh, places, !task.with_solid, ctx);
     out.report.dropped = dropped.count;
     drop_bodies(out.solid, dropped);
 }

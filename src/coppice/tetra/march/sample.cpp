@@ -181,12 +181,12 @@ std::vector<Weak> move_shallow(FieldRef field, const HeldVertices& held, std::sp
 template <class Use>
 void for_each_moved(std::span<const Found> found, const Context& ctx, const Use& use) {
     constexpr std::size_t kMax = 4096;
-    std::vector<std::span<const MovedVertex>> pieces;
+    std::vector<std::span<const MovedVertex>> chunks;
     for (const Found& f : found) {
         for (std::size_t i = 0; i < f.near.size(); i += kMax)
-            pieces.push_back(std::span(f.near).subspan(i, std::min(kMax, f.near.size() - i)));
+            chunks.push_back(std::span(f.near).subspan(i, std::min(kMax, f.near.size() - i)));
     }
-    parallel_for(ctx, pieces.size(), 16, [&](std::size_t i) { std::ranges::for_each(pieces[i], use); });
+    parallel_for(ctx, chunks.size(), 16, [&](std::size_t i) { std::ranges::for_each(chunks[i], use); });
 }
 
 /// Samples all fine vertices.
@@ -291,7 +291,7 @@ std::vector<TetraFace> open_faces(const TetraRefinement& refinement, const Ranke
         const auto t = static_cast<std::uint32_t>(i);
         for (std::uint32_t corner = 0; corner < 4; ++corner) {
             if (!refinement.on_hull(t, 10 + corner) || !is_open(t, corner)) continue;
-            const std::uint32_t vertex = refinement.parts(t)[corner];
+            const std::uint32_t vertex = refinement.elements(t)[corner];
             const auto& own = refinement.coarse().tetra[t];
             const auto opposite = static_cast<std::uint32_t>(std::ranges::find(own, vertex) - own.begin());
             found[i / kGrain].push_back({t, opposite});

@@ -55,15 +55,15 @@ class Filler {
         parallel_for(ctx, refinement_.coarse().tetra.size(), 1024,
                      [&](std::size_t t) { place(static_cast<std::uint32_t>(t), out.positions); });
         ctx.throw_if_cancelled();
-        std::vector<std::vector<Ids>> parts(crossed_.pieces().size());
-        parallel_for(ctx, parts.size(), 1, [&](std::size_t p) { fill_piece(p, parts[p]); });
+        std::vector<std::vector<Ids>> elements(crossed_.chunks().size());
+        parallel_for(ctx, elements.size(), 1, [&](std::size_t p) { fill_chunk(p, elements[p]); });
         ctx.throw_if_cancelled();
         std::vector<std::size_t> first;
-        for (const auto& part : parts) first.push_back(part.size());
+        for (const auto& part : elements) first.push_back(part.size());
         out.tetra.resize(exclusive_scan<std::size_t>(first));
-        parallel_for(ctx, parts.size(), 1, [&](std::size_t p) {
-            for (std::size_t i = 0; i < parts[p].size(); ++i)
-                out.tetra[first[p] + i] = turned(parts[p][i], out.positions);
+        parallel_for(ctx, elements.size(), 1, [&](std::size_t p) {
+            for (std::size_t i = 0; i < elements[p].size(); ++i)
+                out.tetra[first[p] + i] = turned(elements[p][i], out.positions);
         });
         return out;
     }
@@ -92,8 +92,8 @@ class Filler {
         }
     }
 
-    void fill_piece(std::size_t p, std::vector<Ids>& out) const {
-        const CrossedTetra::Piece& piece = crossed_.pieces()[p];
+    void fill_chunk(std::size_t p, std::vector<Ids>& out) const {
+        const CrossedTetra::Chunk& chunk = crossed_.chunks()[p];
         const auto& first = refinement_.coarse().first;
         const IndexRange regions = crossed_.regions(p);
         LocalSigns signs;
@@ -102,13 +102,13 @@ class Filler {
         std::size_t active = 0;
         for (std::uint32_t t = first[regions.begin]; t < first[regions.end]; ++t) {
             const TetraPattern& pattern = refinement_.pattern(t);
-            if (active == piece.active.size() || piece.active[active] != t) {
+            if (active == chunk.active.size() || chunk.active[active] != t) {
                 if (!inside_.test(refinement_.vertex(t, 0))) continue;
                 for (const auto& fine : pattern.tetra) out.push_back(whole(t, fine));
                 continue;
             }
             signs.gather(refinement_, samples_, t);
-            edges.assign(pattern, piece.of(active++));
+            edges.assign(pattern, chunk.of(active++));
             numbers_.cuts.number_edges(t, edges, of_edge);
             for (std::size_t f = 0; f < pattern.tetra.size(); ++f)
                 cut(t, f, signs.code(pattern.tetra[f]), of_edge, out);

@@ -24,7 +24,7 @@ using Weights = std::array<double, 4>;
 inline constexpr double kWeightSlack = 1e-6;
 
 /// The part of a line, from 0 to 1, in which linear functions are not negative.
-struct LinePart {
+struct LineRange {
     double from = 0;  ///< start
     double to = 1;    ///< end; less than `from` if the part is empty
 
@@ -68,8 +68,8 @@ class WeightFunctions {
 };
 
 /// Returns the part of the line between two points that is inside the tetrahedron.
-COPPICE_HOST_DEVICE inline LinePart part_within(const Weights& start, const Weights& end) {
-    LinePart out;
+COPPICE_HOST_DEVICE inline LineRange part_within(const Weights& start, const Weights& end) {
+    LineRange out;
     for (std::size_t i = 0; i < 4; ++i) {
         // Usually the line misses the tetrahedron, which can be detected without a division.
         if (start[i] < -kWeightSlack && end[i] < -kWeightSlack) return {1, 0};
@@ -181,7 +181,7 @@ struct FineLine {
             vertex[i + 1] = local[place(corner)];
         }
         for (std::size_t i = 0; i < 4; ++i) {
-            LinePart largest;
+            LineRange largest;
             for (std::size_t j = 0; j < 4; ++j) {
                 if (j != i) largest.clip(at_a[i] - at_a[j], at_b[i] - at_b[j]);
             }
@@ -271,7 +271,7 @@ template <class Use>
 COPPICE_HOST_DEVICE void visit_held(const WeightFunctions& weights, const FineLine& line, const Segment& axis,
                                     const Use& use) {
     const Weights start = weights.at(Vec3d(axis.a)), end = weights.at(Vec3d(axis.b));
-    const LinePart part = part_within(start, end);
+    const LineRange part = part_within(start, end);
     if (part.empty()) return;
     line.visit_maximum(weights_between(start, end, part.from), weights_between(start, end, part.to), use);
 }

@@ -27,70 +27,72 @@ struct JoinTriangles {
 };
 
 /// Marks the representative vertices of components.
-struct MarkParts {
+struct MarkComponents {
     DeviceSets sets;
     std::span<std::uint32_t> count;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const { count[v] = sets.parent[v] == v ? 1 : 0; }
 };
 
 /// Computes the component of every triangle.
-struct PartOfTriangle {
+struct ComponentOfTriangle {
     std::span<const Triangle> triangles;
     DeviceSets sets;
     std::span<const std::uint32_t> number;  ///< of the component, by its representative vertex
 
-    COPPICE_HOST_DEVICE std::uint32_t part(std::uint32_t i) const {
+    COPPICE_HOST_DEVICE std::uint32_t component(std::uint32_t i) const {
         return number[sets.parent[triangles[i][0]]];
     }
 };
 
 /// Counts the triangles of every component.
-struct CountPart {
-    PartOfTriangle of;
+struct CountComponent {
+    ComponentOfTriangle of;
     std::span<std::uint32_t> size;
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { add_to(size[of.part(i)], 1u); }
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { add_to(size[of.component(i)], 1u); }
 };
 
 /// Marks the triangles of all components except one.
 struct MarkOthers {
-    PartOfTriangle of;
-    std::uint32_t part;
+    ComponentOfTriangle of;
+    std::uint32_t component;
     std::span<std::uint64_t> marks;  ///< a bit for each triangle
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
-        if (of.part(i) != part) set_bit(marks, i);
+        if (of.component(i) != component) set_bit(marks, i);
     }
 };
 
 /// The corners of a triangle, and its component.
-struct PartTriangle {
+struct ComponentTriangle {
     std::array<Vec3, 3> corners;  ///< [m]
-    std::uint32_t part;
+    std::uint32_t component;
 };
 
 /// Gathers these triangles.
 struct GatherOthers {
-    PartOfTriangle of;
+    ComponentOfTriangle of;
     std::span<const Vec3> position;
     std::span<const std::uint32_t> list;  ///< triangles
-    std::span<PartTriangle> out;
+    std::span<ComponentTriangle> out;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
         const Triangle& t = of.triangles[list[i]];
-        out[i] = {{position[t[0]], position[t[1]], position[t[2]]}, of.part(list[i])};
+        out[i] = {{position[t[0]], position[t[1]], position[t[2]]}, of.component(list[i])};
     }
 };
 
 /// Marks the triangles of components that are kept.
 struct MarkKept {
-    PartOfTriangle of;
+    ComponentOfTriangle of;
     std::span<const std::uint8_t> kept;  ///< by component
     std::span<std::uint32_t> count;
-    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const { count[i] = kept[of.part(i)] != 0 ? 1 : 0; }
+    COPPICE_HOST_DEVICE void operator()(std::uint32_t i) const {
+        count[i] = kept[of.component(i)] != 0 ? 1 : 0;
+    }
 };
 
 /// Marks their vertices.
 struct MarkKeptVertices {
     DeviceSets sets;
-    std::span<const std::uint32_t> number;  ///< see PartOfTriangle
+    std::span<const std::uint32_t> number;  ///< see ComponentOfTriangle
     std::span<const std::uint8_t> kept;     ///< by component
     std::span<std::uint32_t> count;
     COPPICE_HOST_DEVICE void operator()(std::uint32_t v) const {
@@ -135,7 +137,7 @@ struct GatherHeld {
             return;
         }
         const FinePlace place = refinement.view.vertices.place(v);
-        const OwnedPart owner = refinement.owner(place);
+        const OwnedElement owner = refinement.owner(place);
         out[i] = refinement.view.position(
             owner.tetra, refinement.view.pattern(owner.tetra).first_vertex[owner.group] + place.index);
     }

@@ -1,4 +1,4 @@
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ Skeleton stem_with_lateral(float degrees) {
 
 TEST(PartBranches, WideForkIsUnchanged) {
     const Skeleton s = stem_with_lateral(80);
-    const PartResult r = part_branches(s, {}, {});
+    const SeparatedSkeleton r = separate_branches(s, {}, {});
     EXPECT_EQ(r.skeleton.size(), s.size());
     EXPECT_EQ(r.report.merged_nodes + r.report.shifted_nodes + r.report.paired_nodes + r.report.hidden_tips,
               0u);
@@ -36,7 +36,7 @@ TEST(PartBranches, WideForkIsUnchanged) {
 
 TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
     const Skeleton s = stem_with_lateral(15);
-    const PartResult r = part_branches(s, {}, {});
+    const SeparatedSkeleton r = separate_branches(s, {}, {});
     // (0.2 + 0.08 cos 15) / tan 15 is where the tubes separate: more than a length unit above the node.
     float highest = 0;
     for (const NodeId n : nodes(r.skeleton)) {
@@ -48,14 +48,14 @@ TEST(PartBranches, MovesTheForkOfAnAcuteLateralTowardsItsCrotch) {
 TEST(PartBranches, TipInsideAnotherBranchIsHidden) {
     const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1)},
                      {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0.1f, 0, 1}}, {0.5f, 0.5f, 0.5f, 0.05f});
-    EXPECT_EQ(part_branches(s, {}, {}).report.hidden_tips, 1u);
+    EXPECT_EQ(separate_branches(s, {}, {}).report.hidden_tips, 1u);
 }
 
 TEST(PartBranches, StemsInOppositeDirectionsAreUnchanged) {
     // With equal radii they separate at the ball around their node; the quotient for the crotch is 0 / 0
     // there.
     const Skeleton s = zoo_skeleton("opposite_stems");
-    const PartResult r = part_branches(s, {}, {});
+    const SeparatedSkeleton r = separate_branches(s, {}, {});
     EXPECT_EQ(r.report.merged_nodes + r.report.shifted_nodes + r.report.paired_nodes + r.report.hidden_tips,
               0u);
     EXPECT_EQ(r.skeleton.children(NodeId(0)).size(), 2u);
@@ -85,7 +85,7 @@ TEST(PartBranches, TerminatesWherePositionsExceedFloatPrecision) {
     for (const float far : {0.0f, 1e6f, 1e7f, 1e8f, 1e9f}) {
         for (std::uint64_t seed = 1; seed <= 200; ++seed) {
             const Skeleton s = random_chains(seed, far);
-            const PartResult r = part_branches(s, {}, {});
+            const SeparatedSkeleton r = separate_branches(s, {}, {});
             EXPECT_EQ(r.tube.size(), s.size());
         }
     }
@@ -94,15 +94,15 @@ TEST(PartBranches, TerminatesWherePositionsExceedFloatPrecision) {
 TEST(PartBranches, ScalesExactlyByPowersOfTwo) {
     for (std::uint64_t seed = 1; seed <= 50; ++seed) {
         const Skeleton s = random_chains(seed, 0);
-        const PartResult one = part_branches(s, {}, {});
+        const SeparatedSkeleton one = separate_branches(s, {}, {});
         for (const int power : {-30, -7, 7, 30}) {
             std::vector<Vec3> position(s.positions().begin(), s.positions().end());
             std::vector<float> radius(s.radii().begin(), s.radii().end());
             const float factor = std::ldexp(1.0f, power);
             for (Vec3& p : position) p = p * factor;
             for (float& r : radius) r *= factor;
-            const PartResult other =
-                part_branches({{s.parents().begin(), s.parents().end()}, position, radius}, {}, {});
+            const SeparatedSkeleton other =
+                separate_branches({{s.parents().begin(), s.parents().end()}, position, radius}, {}, {});
             ASSERT_EQ(other.source, one.source) << seed;
             for (const NodeId n : nodes(one.skeleton)) {
                 EXPECT_EQ(other.skeleton.parent(n), one.skeleton.parent(n));
@@ -116,7 +116,7 @@ TEST(PartBranches, ScalesExactlyByPowersOfTwo) {
 TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const PartResult r = part_branches(s, {}, {});
+        const SeparatedSkeleton r = separate_branches(s, {}, {});
         ASSERT_EQ(r.tube.size(), s.size());
         ASSERT_EQ(r.source.size(), r.skeleton.size());
         for (const NodeId t : r.tube) ASSERT_LT(t.index(), r.skeleton.size());
@@ -127,7 +127,7 @@ TEST(PartBranches, EveryNodeHasATubeAndEverySourceIsANode) {
 TEST(PartBranches, PreservesAllTipsButHiddenOnes) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const PartResult r = part_branches(s, {}, {});
+        const SeparatedSkeleton r = separate_branches(s, {}, {});
         std::set<std::uint32_t> kept;
         for (const NodeId n : nodes(r.skeleton)) {
             if (r.skeleton.is_tip(n)) kept.insert(r.source[n.index()].index());
@@ -141,7 +141,7 @@ TEST(PartBranches, PreservesAllTipsButHiddenOnes) {
 TEST(PartBranches, NodesAreInDepthFirstOrder) {
     for (const auto& [name, s] : skeleton_zoo()) {
         SCOPED_TRACE(name);
-        const Skeleton parted = part_branches(s, {}, {}).skeleton;
+        const Skeleton parted = separate_branches(s, {}, {}).skeleton;
         std::vector<NodeId> open;
         for (const NodeId n : nodes(parted)) {
             while (!open.empty() && open.back() != parted.parent(n)) open.pop_back();

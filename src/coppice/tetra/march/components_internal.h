@@ -6,7 +6,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/mesh/solid_mesh.h"
-#include "coppice/tetra/march/closed_parts.h"
+#include "coppice/tetra/march/closed_components.h"
 #include "coppice/tetra/march/samples_internal.h"
 
 namespace coppice::tetra_internal {
@@ -17,7 +17,7 @@ std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVerti
 
 /// Removes the bodies inside removed components of the surface. `solid` begins with the vertices of the
 /// surface.
-void drop_bodies(SolidMesh& solid, const DroppedParts& dropped);
+void drop_bodies(SolidMesh& solid, const RemovedComponents& dropped);
 
 /// Removes vertices without tetrahedra.
 void compact(SolidMesh& solid);

@@ -7,28 +7,28 @@
 
 #include "coppice/base/context.h"
 #include "coppice/cuda/tetra/axes_stages_internal.h"
+#include "coppice/cuda/tetra/components_kernel_internal.h"
 #include "coppice/cuda/tetra/extract_stages_internal.h"
-#include "coppice/cuda/tetra/parts_kernel_internal.h"
-#include "coppice/tetra/march/closed_parts.h"
+#include "coppice/tetra/march/closed_components.h"
 
 namespace coppice::cuda {
 
 /// The connected components of a surface.
-struct DeviceParts {
-    PartOfTriangle of;        ///< of every triangle
+struct DeviceComponents {
+    ComponentOfTriangle of;   ///< of every triangle
     std::uint32_t count = 0;  ///< number of components
 };
 
 /// Finds the components of a surface. Waits.
 template <class Exec>
-DeviceParts take_apart(Exec& exec, const DeviceSurface& surface) {
+DeviceComponents take_apart(Exec& exec, const DeviceSurface& surface) {
     const std::size_t vertices = surface.positions.size();
     const DeviceSets sets{exec.template array<std::uint32_t>(vertices)};
     exec.each("begin sets", vertices, BeginSets{sets});
     exec.each("join triangles", surface.triangles.size(), JoinTriangles{surface.triangles, sets});
     exec.each("flatten sets", vertices, FlattenSets{sets});
     const auto number = exec.template array<std::uint32_t>(vertices + 1);
-    exec.each("mark parts", vertices, MarkParts{sets, number});
+    exec.each("mark components", vertices, MarkComponents{sets, number});
     const std::uint32_t count = place_counts(exec, number);
     return {{surface.triangles, sets, number}, count};
 }
@@ -37,24 +37,24 @@ DeviceParts take_apart(Exec& exec, const DeviceSurface& surface) {
 /// Waits.
 struct OtherTriangles {
     TriMesh mesh;
-    std::vector<std::uint32_t> part_of;
+    std::vector<std::uint32_t> component_of;
 };
 template <class Exec>
-OtherTriangles find_others(Exec& exec, const DeviceSurface& surface, const DeviceParts& parts,
+OtherTriangles find_others(Exec& exec, const DeviceSurface& surface, const DeviceComponents& components,
                            std::uint32_t but) {
     const auto marks = no_bits(exec, surface.triangles.size());
-    exec.each("mark others", surface.triangles.size(), MarkOthers{parts.of, but, marks});
+    exec.each("mark others", surface.triangles.size(), MarkOthers{components.of, but, marks});
     const auto list = list_bits(exec, marks);
-    const auto gathered = exec.template array<PartTriangle>(list.size());
-    exec.each("gather others", list.size(), GatherOthers{parts.of, surface.positions, list, gathered});
-    std::vector<PartTriangle> found(list.size());
-    exec.download(std::span<const PartTriangle>(gathered), std::span(found));
+    const auto gathered = exec.template array<ComponentTriangle>(list.size());
+    exec.each("gather others", list.size(), GatherOthers{components.of, surface.positions, list, gathered});
+    std::vector<ComponentTriangle> found(list.size());
+    exec.download(std::span<const ComponentTriangle>(gathered), std::span(found));
     OtherTriangles out;
-    for (const PartTriangle& t : found) {
+    for (const ComponentTriangle& t : found) {
         const auto v = static_cast<std::uint32_t>(out.mesh.positions.size());
         out.mesh.positions.insert(out.mesh.positions.end(), t.corners.begin(), t.corners.end());
         out.mesh.triangles.push_back({v, v + 1, v + 2});
-        out.part_of.push_back(t.part);
+        out.component_of.push_back(t.component);
     }
     return out;
 }
@@ -62,19 +62,20 @@ OtherTriangles find_others(Exec& exec, const DeviceSurface& surface, const Devic
 /// Returns for each component whether it is kept (1) or not (0). The largest one usually is: since every
 /// point is enclosed by some component, it is only tested if another one encloses some points. Waits.
 template <class Exec>
-std::vector<std::uint8_t> kept_parts(Exec& exec, const DeviceSurface& surface, const DeviceParts& parts,
-                                     std::span<const Vec3> places, const Context& ctx) {
-    const auto size = exec.template array<std::uint32_t>(parts.count);
+std::vector<std::uint8_t> kept_components(Exec& exec, const DeviceSurface& surface,
+                                          const DeviceComponents& components, std::span<const Vec3> places,
+                                          const Context& ctx) {
+    const auto size = exec.template array<std::uint32_t>(components.count);
     exec.clear(size);
-    exec.each("count parts", surface.triangles.size(), CountPart{parts.of, size});
-    std::vector<std::uint32_t> sizes(parts.count);
+    exec.each("count components", surface.triangles.size(), CountComponent{components.of, size});
+    std::vector<std::uint32_t> sizes(components.count);
     exec.download(std::span<const std::uint32_t>(size), std::span(sizes));
     const auto largest = static_cast<std::uint32_t>(std::ranges::max_element(sizes) - sizes.begin());
-    for (const std::uint32_t but : {largest, parts.count}) {
-        const OtherTriangles others = find_others(exec, surface, parts, but);
+    for (const std::uint32_t but : {largest, components.count}) {
+        const OtherTriangles others = find_others(exec, surface, components, but);
         std::vector<std::uint8_t> kept =
-            enclosing_parts(others.mesh, others.part_of, parts.count, places, true, ctx);
-        if (but == parts.count) return kept;
+            enclosing_components(others.mesh, others.component_of, components.count, places, true, ctx);
+        if (but == components.count) return kept;
         if (std::ranges::count(kept, 1) > 0) continue;
         kept[largest] = 1;
         return kept;
@@ -87,18 +88,19 @@ std::vector<std::uint8_t> kept_parts(Exec& exec, const DeviceSurface& surface, c
 template <class Exec>
 std::uint64_t drop_parts(Exec& exec, DeviceSurface& surface, std::span<const Vec3> places,
                          const Context& ctx) {
-    const DeviceParts parts = take_apart(exec, surface);
+    const DeviceComponents components = take_apart(exec, surface);
     // A surface that encloses all axes has at least one component that is not a hollow.
-    if (parts.count <= 1) return 0;
-    const std::vector<std::uint8_t> kept = kept_parts(exec, surface, parts, places, ctx);
+    if (components.count <= 1) return 0;
+    const std::vector<std::uint8_t> kept = kept_components(exec, surface, components, places, ctx);
     const auto dropped = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
     if (dropped == 0) return 0;
     const auto is_kept = exec.upload(std::span<const std::uint8_t>(kept));
     const std::size_t vertices = surface.positions.size(), triangles = surface.triangles.size();
     const auto number = exec.template array<std::uint32_t>(vertices + 1);
     const auto place = exec.template array<std::uint32_t>(triangles + 1);
-    exec.each("mark kept", vertices, MarkKeptVertices{parts.of.sets, parts.of.number, is_kept, number});
-    exec.each("mark kept", triangles, MarkKept{parts.of, is_kept, place});
+    exec.each("mark kept", vertices,
+              MarkKeptVertices{components.of.sets, components.of.number, is_kept, number});
+    exec.each("mark kept", triangles, MarkKept{components.of, is_kept, place});
     const auto positions = exec.template array<Vec3>(place_counts(exec, number));
     const auto out = exec.template array<Triangle>(place_counts(exec, place));
     exec.each("keep vertices", vertices, MoveKept{number, surface.positions, positions});

@@ -10,8 +10,8 @@
 
 namespace coppice {
 
-/// Counts of the changes by part_branches().
-struct PartReport {
+/// Counts of the changes by separate_branches().
+struct SeparationReport {
     std::uint32_t merged_nodes = 0;  ///< nodes inside the union around a branch node, merged into it
     /// branches moved to a later node because they separate from their leader only beyond it
     std::uint32_t shifted_nodes = 0;
@@ -22,7 +22,7 @@ struct PartReport {
 
 /// Calls visit(name, value) for every figure, in order.
 template <class Visitor>
-void visit_figures(const PartReport& r, Visitor&& visit) {
+void visit_figures(const SeparationReport& r, Visitor&& visit) {
     visit("merged_nodes", r.merged_nodes);
     visit("shifted_nodes", r.shifted_nodes);
     visit("paired_nodes", r.paired_nodes);
@@ -30,14 +30,14 @@ void visit_figures(const PartReport& r, Visitor&& visit) {
 }
 
 /// A skeleton for the cage: like the given one, but with branch nodes at the points where the tubes separate.
-struct PartResult {
+struct SeparatedSkeleton {
     Skeleton skeleton;           ///< skeleton of the cage
     std::vector<NodeId> source;  ///< per node: the corresponding node of the given skeleton
     std::vector<NodeId> tube;    ///< per node of the given skeleton: the tube that wraps its segment
     /// Roots of one child that replace a root of several, ascending: a tree has no flat base there.
     std::vector<NodeId> round_roots;
     std::vector<NodeJoin> joins;  ///< the given ones, of the new nodes, by `end`
-    PartReport report;            ///< counts of the changes
+    SeparationReport report;      ///< counts of the changes
 };
 
 /// A branch that leaves at an acute angle is inside its leader for some distance: two tubes that began at the
@@ -49,6 +49,7 @@ struct PartResult {
 ///
 /// `joins` (by `end`) identify tips that end in a node of another branch: there they are laterals like
 /// others.
-PartResult part_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins, const Context& ctx);
+SeparatedSkeleton separate_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins,
+                                    const Context& ctx);
 
 }  // namespace coppice

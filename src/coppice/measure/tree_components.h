@@ -11,24 +11,25 @@
 namespace coppice {
 
 /// A component of a surface that is not assigned to any tree.
-struct LoosePart {
+struct LooseComponent {
     NodeId node;  ///< the first node of the segments nearest to the component: where it was detached
     Vec3d place;  ///< [m] position of that node, with the skeleton's origin
     std::uint64_t faces = 0;  ///< number of faces of the component
-    friend bool operator==(const LoosePart&, const LoosePart&) = default;  ///< member by member
+    friend bool operator==(const LooseComponent&, const LooseComponent&) = default;  ///< member by member
 };
 
 /// The components of a surface and the trees of its skeleton.
-struct TreePartsReport {
+struct TreeComponentsReport {
     static constexpr std::size_t kMaxNamed = 5;  ///< maximum number of components that are listed
 
     std::uint64_t trees = 0;  ///< number of trees of the skeleton
     std::uint64_t parts = 0;  ///< number of components of the surface: faces connected by common vertices
     std::uint64_t loose = 0;  ///< number of components that are not assigned to any tree
-    std::vector<LoosePart> largest;  ///< the largest of these, by number of faces
+    std::vector<LooseComponent> largest;  ///< the largest of these, by number of faces
 
     bool whole() const { return loose == 0; }  ///< no component is detached
-    friend bool operator==(const TreePartsReport&, const TreePartsReport&) = default;  ///< member by member
+    friend bool operator==(const TreeComponentsReport&,
+                           const TreeComponentsReport&) = default;  ///< member by member
 };
 
 /// Assigns the components of a surface to trees. A vertex belongs to the tree of the nearest segment, in
@@ -36,11 +37,12 @@ struct TreePartsReport {
 /// assigned one component together. Any other component is loose: a detached branch, a cavity, or a component
 /// that is not a branch. Does not throw for a valid mesh. O(vertices log segments), O(faces) if there is one
 /// component.
-TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx = {});
+TreeComponentsReport compute_tree_components(const PolygonMesh& mesh, const Skeleton& skeleton,
+                                             const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.
 template <class Visitor>
-void visit_figures(const LoosePart& l, Visitor&& visit) {
+void visit_figures(const LooseComponent& l, Visitor&& visit) {
     visit("node", l.node.index());
     visit("x", l.place.x);
     visit("y", l.place.y);

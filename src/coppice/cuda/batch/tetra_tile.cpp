@@ -1,16 +1,16 @@
-#include "coppice/cuda/batch/tetra_piece_internal.h"
+#include "coppice/cuda/batch/tetra_tile_internal.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace coppice::cuda {
 
-int TetraPiece::rings_for(int rounds, int levels) {
+int TetraTile::rings_for(int rounds, int levels) {
     const int edges_of_ring = std::max(1, (1 << levels) / 2);
     return 2 + (rounds + 1) / edges_of_ring;
 }
 
-TetraPiece::TetraPiece(const TetraRefinement& whole, IndexRange regions, int rings)
+TetraTile::TetraTile(const TetraRefinement& whole, IndexRange regions, int rings)
     : tetra_(tetra_around(whole, {whole.coarse().first[regions.begin], whole.coarse().first[regions.end]},
                           rings)) {
     const TetraMesh& mesh = whole.coarse();
@@ -19,7 +19,7 @@ TetraPiece::TetraPiece(const TetraRefinement& whole, IndexRange regions, int rin
     own_ = {begin, begin + (mesh.first[regions.end] - mesh.first[regions.begin])};
 }
 
-ChosenNumbers TetraPiece::tetra_around(const TetraRefinement& whole, IndexRange own, int rings) {
+ChosenNumbers TetraTile::tetra_around(const TetraRefinement& whole, IndexRange own, int rings) {
     const TetraMesh& mesh = whole.coarse();
     NumberSet chosen(mesh.tetra.size()), vertices(mesh.positions.size());
     std::vector<std::uint32_t> tetra;
@@ -32,7 +32,7 @@ ChosenNumbers TetraPiece::tetra_around(const TetraRefinement& whole, IndexRange 
         for (const std::size_t end = tetra.size(); begin < end; ++begin) {
             const Tetra corners = mesh.tetra[tetra[begin]];
             for (const std::uint32_t v : corners) {
-                if (vertices.add(v)) std::ranges::for_each(whole.around(TetraPartKind::vertex, v), add);
+                if (vertices.add(v)) std::ranges::for_each(whole.around(TetraElementKind::vertex, v), add);
             }
         }
     }
@@ -40,7 +40,7 @@ ChosenNumbers TetraPiece::tetra_around(const TetraRefinement& whole, IndexRange 
     return ChosenNumbers(std::move(chosen));
 }
 
-void TetraPiece::take_mesh(const TetraMesh& whole) {
+void TetraTile::take_mesh(const TetraMesh& whole) {
     NumberSet chosen(whole.positions.size());
     for (const std::uint32_t t : tetra_) {
         for (const std::uint32_t v : whole.tetra[t]) chosen.add(v);
@@ -65,7 +65,7 @@ void TetraPiece::take_mesh(const TetraMesh& whole) {
     mesh_.first.back() = static_cast<std::uint32_t>(mesh_.tetra.size());
 }
 
-CompressedRows<std::uint32_t> TetraPiece::rows(const CompressedRows<std::uint32_t>& of_whole) const {
+CompressedRows<std::uint32_t> TetraTile::rows(const CompressedRows<std::uint32_t>& of_whole) const {
     if (of_whole.size() == 0) return {};
     CompressedRows<std::uint32_t> out;
     for (const std::uint32_t r : regions_) {

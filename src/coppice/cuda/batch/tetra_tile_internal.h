@@ -18,7 +18,7 @@ namespace coppice::cuda {
 /// The result of march() at a fine vertex depends on the tetrahedra that contain it, except for vertices that
 /// are moved back: that effect spreads by one fine edge in each round. The interior is therefore correct as
 /// far as rings_for() states.
-class TetraPiece {
+class TetraTile {
   public:
     /// Returns the number of rings around a tile that makes its own portion of the surface bit-identical to
     /// that of the whole mesh, if vertices are moved back in `rounds` rounds.
@@ -32,7 +32,7 @@ class TetraPiece {
 
     /// Selects regions of a whole mesh, which must outlive this object. O(tile), and one bit for each coarse
     /// vertex and tetrahedron.
-    TetraPiece(const TetraRefinement& whole, IndexRange regions, int rings);
+    TetraTile(const TetraRefinement& whole, IndexRange regions, int rings);
 
     const TetraMesh& mesh() const { return mesh_; }  ///< the tile
     IndexRange own() const { return own_; }          ///< its own tetrahedra, numbered in the tile

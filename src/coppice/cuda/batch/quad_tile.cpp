@@ -1,4 +1,4 @@
-#include "coppice/cuda/batch/quad_piece_internal.h"
+#include "coppice/cuda/batch/quad_tile_internal.h"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ void put_row(std::span<const Vec3> row, std::span<Vec3> to) { std::copy(row.begi
 
 }  // namespace
 
-QuadPiece::QuadPiece(const QuadJob& whole, IndexRange own)
+QuadTile::QuadTile(const QuadJob& whole, IndexRange own)
     : whole_(whole),
       own_(own),
       faces_(faces_around()),
@@ -30,7 +30,7 @@ QuadPiece::QuadPiece(const QuadJob& whole, IndexRange own)
     arrays_.lend(job_);
 }
 
-ChosenNumbers QuadPiece::faces_around() const {
+ChosenNumbers QuadTile::faces_around() const {
     NumberSet chosen(whole_.cage.face_count());
     std::vector<std::uint32_t> faces;
     const auto add = [&](std::uint32_t f) {
@@ -55,7 +55,7 @@ ChosenNumbers QuadPiece::faces_around() const {
     return ChosenNumbers(std::move(chosen));
 }
 
-ChosenNumbers QuadPiece::vertices_of_faces() const {
+ChosenNumbers QuadTile::vertices_of_faces() const {
     NumberSet chosen(whole_.cage.vertex_count());
     for (const std::uint32_t f : faces_) {
         for (const std::uint32_t v : whole_.cage.quads[f]) chosen.add(v);
@@ -67,7 +67,7 @@ ChosenNumbers QuadPiece::vertices_of_faces() const {
     return ChosenNumbers(std::move(chosen));
 }
 
-ChosenNumbers QuadPiece::edges_of_faces() const {
+ChosenNumbers QuadTile::edges_of_faces() const {
     NumberSet chosen(whole_.cage.edge_count());
     for (const std::uint32_t f : faces_) {
         for (const std::uint32_t side : whole_.cage.side.subspan(4 * f, 4)) chosen.add(side >> 1);
@@ -75,7 +75,7 @@ ChosenNumbers QuadPiece::edges_of_faces() const {
     return ChosenNumbers(std::move(chosen));
 }
 
-void QuadPiece::take_faces() {
+void QuadTile::take_faces() {
     const auto vertex = [&](std::uint32_t v) { return vertices_.place(v); };
     const auto side = [&](std::uint32_t s) { return 2 * edges_.place(s >> 1) + (s & 1); };
     for (const std::uint32_t f : faces_) {
@@ -87,11 +87,11 @@ void QuadPiece::take_faces() {
     }
 }
 
-std::uint32_t QuadPiece::local_half(std::uint32_t half) const {
+std::uint32_t QuadTile::local_half(std::uint32_t half) const {
     return half == kNoIndex || !faces_.has(half >> 2) ? kNoIndex : 4 * faces_.place(half >> 2) + (half & 3);
 }
 
-void QuadPiece::take_vertices() {
+void QuadTile::take_vertices() {
     for (const std::uint32_t v : vertices_) {
         arrays_.positions.push_back(whole_.positions[v]);
         arrays_.anchors.push_back(whole_.anchors[v]);
@@ -105,7 +105,7 @@ void QuadPiece::take_vertices() {
 }
 
 // Edges with a missing quad are on the boundary.
-void QuadPiece::take_edges() {
+void QuadTile::take_edges() {
     arrays_.on_boundary.resize(vertices_.size(), 0);
     for (const std::uint32_t e : edges_) {
         const std::uint32_t forward = local_half(whole_.cage.edge_half[e][0]);
@@ -118,27 +118,27 @@ void QuadPiece::take_edges() {
     }
 }
 
-void QuadPiece::put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const {
+void QuadTile::put(std::span<const Vec3> of_tile, std::span<Vec3> of_whole) const {
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
         const auto fan = whole_.cage.fan(vertices_[v]);
-        if (fan.empty() || owns(fan[0])) of_whole[vertices_[v]] = of_piece[v];
+        if (fan.empty() || owns(fan[0])) of_whole[vertices_[v]] = of_tile[v];
     }
     const std::size_t inside = (std::size_t{1} << whole_.levels) - 1;
-    of_piece = of_piece.subspan(vertices_.size());
+    of_tile = of_tile.subspan(vertices_.size());
     of_whole = of_whole.subspan(whole_.cage.vertex_count());
     for (std::size_t e = 0; e < edges_.size(); ++e) {
         const auto [forward, backward] = whole_.cage.edge_half[edges_[e]];
         if (!owns(std::min(forward, backward))) continue;
-        put_row(of_piece.subspan(inside * e, inside), of_whole.subspan(inside * edges_[e]));
+        put_row(of_tile.subspan(inside * e, inside), of_whole.subspan(inside * edges_[e]));
     }
-    of_piece = of_piece.subspan(inside * edges_.size());
+    of_tile = of_tile.subspan(inside * edges_.size());
     of_whole = of_whole.subspan(inside * whole_.cage.edge_count());
     const std::size_t of_quad = inside * inside;
     const std::size_t first = faces_.place(static_cast<std::uint32_t>(own_.begin));
-    put_row(of_piece.subspan(of_quad * first, of_quad * own_.size()), of_whole.subspan(of_quad * own_.begin));
+    put_row(of_tile.subspan(of_quad * first, of_quad * own_.size()), of_whole.subspan(of_quad * own_.begin));
 }
 
-std::size_t QuadPiece::cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted) {
+std::size_t QuadTile::cut(std::span<const ClipPlane> clips, IndexRange quads, std::size_t wanted) {
     wanted = std::clamp(wanted, quads.begin + 1, quads.end);
     for (const ClipPlane& clip : clips) {
         const std::size_t first = clip.first_quad, last = first + clip.quad_count;

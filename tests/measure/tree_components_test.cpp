@@ -1,4 +1,4 @@
-#include "coppice/measure/tree_parts.h"
+#include "coppice/measure/tree_components.h"
 #include "measure/support.h"
 
 #include <gtest/gtest.h>
@@ -22,19 +22,21 @@ PolygonMesh adjacent(PolygonMesh mesh, float x) {
 }
 
 TEST(TreeParts, OfWholeTreesHaveNoLooseComponents) {
-    const TreePartsReport one = tree_parts(capsule(16, 8, 0.5f, 0, 10), kPole);
-    EXPECT_EQ(one, (TreePartsReport{.trees = 1, .parts = 1}));
+    const TreeComponentsReport one = compute_tree_components(capsule(16, 8, 0.5f, 0, 10), kPole);
+    EXPECT_EQ(one, (TreeComponentsReport{.trees = 1, .parts = 1}));
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 10);
-    EXPECT_EQ(tree_parts(both(pole, adjacent(pole, 10)), kTwo), (TreePartsReport{.trees = 2, .parts = 2}));
+    EXPECT_EQ(compute_tree_components(both(pole, adjacent(pole, 10)), kTwo),
+              (TreeComponentsReport{.trees = 2, .parts = 2}));
 }
 
 TEST(TreeParts, OfMergedTreesAreFewerThanTrees) {
-    EXPECT_EQ(tree_parts(box({-1, -1, -1}, {11, 1, 11}), kTwo), (TreePartsReport{.trees = 2, .parts = 1}));
+    EXPECT_EQ(compute_tree_components(box({-1, -1, -1}, {11, 1, 11}), kTwo),
+              (TreeComponentsReport{.trees = 2, .parts = 1}));
 }
 
 TEST(TreeParts, ReportsTheNodeOfASeveredBranch) {
     const PolygonMesh torn = both(capsule(16, 8, 0.5f, 2.6f, 10), capsule(16, 32, 0.5f, 0, 1.4f));
-    const TreePartsReport r = tree_parts(torn, kPole);
+    const TreeComponentsReport r = compute_tree_components(torn, kPole);
     EXPECT_EQ(r.parts, 2u);
     EXPECT_EQ(r.loose, 1u);
     EXPECT_FALSE(r.whole());
@@ -49,7 +51,8 @@ TEST(TreeParts, FindsASeveredBranchNextToMergedTrees) {
     const PolygonMesh pole = capsule(16, 8, 0.5f, 0, 8);
     PolygonMesh joined = both(pole, adjacent(pole, 10));
     joined.add_face(std::vector<std::uint32_t>{0, 1, static_cast<std::uint32_t>(pole.positions.size())});
-    const TreePartsReport r = tree_parts(both(joined, adjacent(capsule(4, 1, 0.5f, 9, 9.5f), 10)), kTwo);
+    const TreeComponentsReport r =
+        compute_tree_components(both(joined, adjacent(capsule(4, 1, 0.5f, 9, 9.5f), 10)), kTwo);
     EXPECT_EQ(r.trees, 2u);
     EXPECT_EQ(r.parts, 2u);
     EXPECT_EQ(r.loose, 1u);
@@ -59,7 +62,7 @@ TEST(TreeParts, FindsASeveredBranchNextToMergedTrees) {
 TEST(TreeParts, CountsHollowsAndSmallComponentsBySize) {
     const PolygonMesh solid = capsule(32, 32, 0.5f, 0, 10);
     const PolygonMesh hollow = inverted(capsule(8, 4, 0.1f, 4, 5)), bubble = adjacent(cube(), 3);
-    const TreePartsReport r = tree_parts(both(both(solid, bubble), hollow), kPole);
+    const TreeComponentsReport r = compute_tree_components(both(both(solid, bubble), hollow), kPole);
     EXPECT_EQ(r.loose, 2u);
     ASSERT_EQ(r.largest.size(), 2u);
     EXPECT_EQ(r.largest[0].faces, hollow.face_count());
@@ -71,7 +74,7 @@ TEST(TreeParts, ConvertsTheOriginOfTreesOfOneNode) {
                          {100, 0, 0});
     PolygonMesh mesh = both(box({49, -1, -1}, {51, 1, 1}), box({54, -1, -1}, {56, 1, 5}));
     mesh.origin = {50, 0, 0};
-    EXPECT_TRUE(tree_parts(mesh, balls).whole());
+    EXPECT_TRUE(compute_tree_components(mesh, balls).whole());
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace coppice {
 
 /// Connected components of a skeleton: trees and loose components, such as fragments of a crown with branches
 /// that were not scanned completely.
-struct LooseParts {
+struct LooseComponents {
     std::vector<NodeId> trees;  ///< roots of the trees, in order; at least one
     std::vector<NodeId> loose;  ///< roots of the other components, in order
     double length = 0;          ///< [m] total length of the loose components
@@ -19,7 +19,7 @@ struct LooseParts {
 /// that of the longest one, or if it is on the ground: it is higher than 1.3 m, and its lowest node is at
 /// most 1.3 m plus a quarter of the horizontal distance above the lowest node of the closest of the long
 /// components. O(n log n).
-LooseParts find_loose_parts(const Skeleton& skeleton);
+LooseComponents find_loose_components(const Skeleton& skeleton);
 
 /// Returns the components with these roots as a skeleton with the same origin and stable ids. Requires at
 /// least one root, in ascending order. O(n).

@@ -1,4 +1,4 @@
-#include "coppice/measure/tree_parts.h"
+#include "coppice/measure/tree_components.h"
 
 #include <algorithm>
 #include <utility>
@@ -61,17 +61,18 @@ std::vector<std::uint32_t> main_parts(std::vector<std::pair<std::uint32_t, std::
 
 }  // namespace
 
-TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, const Context& ctx) {
-    TreePartsReport out;
+TreeComponentsReport compute_tree_components(const PolygonMesh& mesh, const Skeleton& skeleton,
+                                             const Context& ctx) {
+    TreeComponentsReport out;
     for (const NodeId n : nodes(skeleton)) out.trees += skeleton.is_root(n) ? 1 : 0;
     DisjointSets sets(mesh.positions.size());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         for (const std::uint32_t v : mesh.face(f)) sets.join(mesh.face(f)[0], v);
     }
-    std::vector<LoosePart> part(
+    std::vector<LooseComponent> part(
         mesh.positions.size());  // indexed by the representative vertex of each component
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-        LoosePart& p = part[sets.find(mesh.face(f)[0])];
+        LooseComponent& p = part[sets.find(mesh.face(f)[0])];
         out.parts += p.faces++ == 0 ? 1 : 0;
     }
     if (out.parts <= 1) return out;
@@ -87,11 +88,11 @@ TreePartsReport tree_parts(const PolygonMesh& mesh, const Skeleton& skeleton, co
         if (!part[p].node || nearest[v] < part[p].node) part[p].node = nearest[v];
     }
     for (const std::uint32_t p : main_parts(std::move(tree_and_part))) part[p].faces = 0;
-    std::erase_if(part, [](const LoosePart& p) { return p.faces == 0; });
+    std::erase_if(part, [](const LooseComponent& p) { return p.faces == 0; });
     out.loose = part.size();
-    std::ranges::stable_sort(part, std::ranges::greater(), &LoosePart::faces);
-    part.resize(std::min(part.size(), TreePartsReport::kMaxNamed));
-    for (LoosePart& p : part) {
+    std::ranges::stable_sort(part, std::ranges::greater(), &LooseComponent::faces);
+    part.resize(std::min(part.size(), TreeComponentsReport::kMaxNamed));
+    for (LooseComponent& p : part) {
         if (p.node) p.place = skeleton.origin() + Vec3d(skeleton.position(p.node));
     }
     out.largest = std::move(part);

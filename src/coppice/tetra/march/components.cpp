@@ -1,4 +1,4 @@
-#include "coppice/tetra/march/parts_internal.h"
+#include "coppice/tetra/march/components_internal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,13 @@
 #include "coppice/base/box.h"
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/parallel.h"
-#include "coppice/tetra/march/closed_parts.h"
+#include "coppice/tetra/march/closed_components.h"
 
 namespace coppice::tetra_internal {
 namespace {
 
 /// A closed component of the surface.
-struct Part {
+struct Component {
     std::vector<std::uint32_t> triangles;
     Box3 box;
     double volume6 = 0;
@@ -27,10 +27,10 @@ double solid_angle(Vec3d a, Vec3d b, Vec3d c) {
            std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
-bool encloses(const TriMesh& mesh, const Part& part, Vec3 place) {
-    if (!part.box.overlaps(Box3{place, place})) return false;
+bool encloses(const TriMesh& mesh, const Component& component, Vec3 place) {
+    if (!component.box.overlaps(Box3{place, place})) return false;
     double sum = 0;
-    for (const std::uint32_t t : part.triangles) {
+    for (const std::uint32_t t : component.triangles) {
         const auto& [a, b, c] = mesh.triangles[t];
         const auto from = [&](std::uint32_t v) { return Vec3d(mesh.positions[v]) - Vec3d(place); };
         sum += solid_angle(from(a), from(b), from(c));
@@ -39,32 +39,32 @@ bool encloses(const TriMesh& mesh, const Part& part, Vec3 place) {
 }
 
 /// Collects the triangles, box and volume of each component; components are numbered by their first triangle.
-std::vector<Part> collect_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
-                                std::size_t count) {
-    std::vector<Part> parts(count);
+std::vector<Component> collect_components(const TriMesh& mesh, std::span<const std::uint32_t> component_of,
+                                          std::size_t count) {
+    std::vector<Component> components(count);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        Part& part = parts[part_of[t]];
-        part.triangles.push_back(t);
+        Component& component = components[component_of[t]];
+        component.triangles.push_back(t);
         const auto& [a, b, c] = mesh.triangles[t];
-        for (const std::uint32_t v : mesh.triangles[t]) part.box.extend(mesh.positions[v]);
+        for (const std::uint32_t v : mesh.triangles[t]) component.box.extend(mesh.positions[v]);
         // Relative to a point of the component, so that rounding does not change the sign far from the
         // origin.
-        const Vec3d o(mesh.positions[mesh.triangles[part.triangles[0]][0]]);
+        const Vec3d o(mesh.positions[mesh.triangles[component.triangles[0]][0]]);
         const auto from = [&](std::uint32_t v) { return Vec3d(mesh.positions[v]) - o; };
-        part.volume6 += dot(from(a), cross(from(b), from(c)));
+        component.volume6 += dot(from(a), cross(from(b), from(c)));
     }
-    return parts;
+    return components;
 }
 
 /// Returns the new number of every vertex, and of one past the end; removed vertices have the number of the
 /// next kept one.
-std::vector<std::uint32_t> keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> part_of,
+std::vector<std::uint32_t> keep_triangles(TriMesh& mesh, std::span<const std::uint32_t> component_of,
                                           std::span<const std::uint8_t> kept) {
     std::vector<std::uint32_t> number(mesh.positions.size() + 1);
     TriMesh out;
     out.origin = mesh.origin;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (kept[part_of[t]] == 0) continue;
+        if (kept[component_of[t]] == 0) continue;
         out.triangles.push_back(mesh.triangles[t]);
         for (const std::uint32_t v : mesh.triangles[t]) number[v] = 1;
     }
@@ -92,7 +92,7 @@ std::vector<Vec3> held_places(const TetraRefinement& refinement, const HeldVerti
     return out;
 }
 
-void drop_bodies(SolidMesh& solid, const DroppedParts& dropped) {
+void drop_bodies(SolidMesh& solid, const RemovedComponents& dropped) {
     if (dropped.count == 0 || solid.tetra.empty()) return;
     DisjointSets bodies(solid.positions.size());
     for (const auto& t : solid.tetra) {
@@ -125,20 +125,25 @@ void compact(SolidMesh& solid) {
 
 namespace coppice {
 
-std::vector<std::uint8_t> enclosing_parts(const TriMesh& mesh, std::span<const std::uint32_t> part_of,
-                                          std::size_t count, std::span<const Vec3> places, bool with_hollows,
-                                          const Context& ctx) {
-    const std::vector<tetra_internal::Part> parts = tetra_internal::collect_parts(mesh, part_of, count);
+std::vector<std::uint8_t> enclosing_components(const TriMesh& mesh,
+                                               std::span<const std::uint32_t> component_of, std::size_t count,
+                                               std::span<const Vec3> places, bool with_hollows,
+                                               const Context& ctx) {
+    const std::vector<tetra_internal::Component> components =
+        tetra_internal::collect_components(mesh, component_of, count);
     std::vector<std::uint8_t> kept(count);
     parallel_for(ctx, count, 1, [&](std::size_t p) {
-        const bool is_hollow = parts[p].volume6 <= 0;
-        const auto is_inside = [&](Vec3 place) { return tetra_internal::encloses(mesh, parts[p], place); };
+        const bool is_hollow = components[p].volume6 <= 0;
+        const auto is_inside = [&](Vec3 place) {
+            return tetra_internal::encloses(mesh, components[p], place);
+        };
         kept[p] = is_hollow ? !with_hollows : std::ranges::any_of(places, is_inside);
     });
     return kept;
 }
 
-DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows, const Context& ctx) {
+RemovedComponents drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_hollows,
+                             const Context& ctx) {
     // Neighbours are consecutive in the list, so there is not enough work for more threads.
     DisjointSets sets(mesh.positions.size());
     std::size_t count = mesh.positions.size();
@@ -148,17 +153,19 @@ DroppedParts drop_parts(TriMesh& mesh, std::span<const Vec3> places, bool with_h
     // A surface that encloses all axes has at least one component that is not a hollow.
     if (count <= 1) return {};
     constexpr std::uint32_t kUnseen = 0xffffffffu;
-    std::vector<std::uint32_t> part_of_root(mesh.positions.size(), kUnseen), part_of(mesh.triangles.size());
+    std::vector<std::uint32_t> component_of_root(mesh.positions.size(), kUnseen),
+        component_of(mesh.triangles.size());
     std::uint32_t next = 0;
-    for (std::size_t t = 0; t < part_of.size(); ++t) {
-        std::uint32_t& part = part_of_root[sets.find(mesh.triangles[t][0])];
-        if (part == kUnseen) part = next++;
-        part_of[t] = part;
+    for (std::size_t t = 0; t < component_of.size(); ++t) {
+        std::uint32_t& component = component_of_root[sets.find(mesh.triangles[t][0])];
+        if (component == kUnseen) component = next++;
+        component_of[t] = component;
     }
-    const std::vector<std::uint8_t> kept = enclosing_parts(mesh, part_of, count, places, with_hollows, ctx);
-    DroppedParts dropped;
+    const std::vector<std::uint8_t> kept =
+        enclosing_components(mesh, component_of, count, places, with_hollows, ctx);
+    RemovedComponents dropped;
     dropped.count = static_cast<std::uint64_t>(std::ranges::count(kept, 0));
-    if (dropped.count > 0) dropped.number = tetra_internal::keep_triangles(mesh, part_of, kept);
+    if (dropped.count > 0) dropped.number = tetra_internal::keep_triangles(mesh, component_of, kept);
     return dropped;
 }
 

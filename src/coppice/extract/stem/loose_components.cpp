@@ -1,4 +1,4 @@
-#include "coppice/extract/stem/loose_parts.h"
+#include "coppice/extract/stem/loose_components.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -66,14 +66,14 @@ class Ground {
 
 }  // namespace
 
-LooseParts find_loose_parts(const Skeleton& s) {
+LooseComponents find_loose_components(const Skeleton& s) {
     const std::vector<Part> parts = find_parts(s);
     const double least = kLong * std::ranges::max(parts, {}, &Part::length).length;
     std::vector<Vec3> feet;
     for (const Part& part : parts)
         if (part.length >= least) feet.push_back(part.foot);
     const Ground ground(feet);
-    LooseParts out;
+    LooseComponents out;
     double length = 0;
     for (const Part& part : parts) {
         length += part.length;

@@ -20,20 +20,20 @@ namespace coppice::cuda {
 /// and for quads of a flat end on the whole end. The tile therefore contains one ring of quads more than
 /// there are relaxations, and no flat end is divided. Unfolding has no limited range and must be done on the
 /// whole.
-class QuadPiece {
+class QuadTile {
   public:
     /// Selects the quads `own` of a whole job, which must outlive this object; they must not divide a flat
     /// end: see cut(). O(whole), with one bit for each quad and two numbers for each vertex and edge; then
     /// O(tile).
-    QuadPiece(const QuadJob& whole, IndexRange own);
-    QuadPiece(const QuadPiece&) = delete;
-    QuadPiece& operator=(const QuadPiece&) = delete;
+    QuadTile(const QuadJob& whole, IndexRange own);
+    QuadTile(const QuadTile&) = delete;
+    QuadTile& operator=(const QuadTile&) = delete;
 
     const QuadJob& job() const { return job_; }  ///< the tile; refers to this object
     IndexRange own() const { return own_; }      ///< quads of the tile itself
     /// Copies the values of its own quads from an array over the vertices of the refined tile to one over
     /// those of the refined whole. All tiles together write each element once.
-    void put(std::span<const Vec3> of_piece, std::span<Vec3> of_whole) const;
+    void put(std::span<const Vec3> of_tile, std::span<Vec3> of_whole) const;
 
     /// Returns a number of quads near `wanted` at which the quads of a job can be divided, in (begin, end) if
     /// there is one; otherwise `end`.

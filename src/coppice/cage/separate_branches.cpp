@@ -1,4 +1,4 @@
-#include "coppice/cage/part.h"
+#include "coppice/cage/separate_branches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,9 +47,9 @@ constexpr std::size_t kMaxChildren = 64;
 // crotches.
 constexpr float kBundleStem = 1.0f;
 
-class Parting {
+class Separation {
   public:
-    Parting(const Skeleton& s, std::span<const NodeJoin> joins, const Context& ctx) : s_(s), ctx_(ctx) {
+    Separation(const Skeleton& s, std::span<const NodeJoin> joins, const Context& ctx) : s_(s), ctx_(ctx) {
         node_.reserve(s.size() + joins.size() + s.size() / 8);
         for (const NodeId n : nodes(s)) {
             const auto children = s.children(n);
@@ -59,7 +59,7 @@ class Parting {
         for (const NodeJoin& join : joins) add_joined(join);
     }
 
-    PartResult run() && {
+    SeparatedSkeleton run() && {
         for (const NodeId n : nodes(s_)) halve_lone_segment(n);
         for (const NodeId n : nodes(s_)) {
             if (n.index() % 4096 == 0) ctx_.throw_if_cancelled();
@@ -504,7 +504,7 @@ class Parting {
         return share;
     }
 
-    PartResult finish() const {
+    SeparatedSkeleton finish() const {
         std::vector<NodeId> parent, source;
         std::vector<Vec3> position;
         std::vector<float> radius;
@@ -568,13 +568,14 @@ class Parting {
     const Skeleton& s_;
     const Context& ctx_;
     std::vector<Node> node_;
-    PartReport report_;
+    SeparationReport report_;
 };
 
 }  // namespace
 
-PartResult part_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins, const Context& ctx) {
-    return Parting(skeleton, joins, ctx).run();
+SeparatedSkeleton separate_branches(const Skeleton& skeleton, std::span<const NodeJoin> joins,
+                                    const Context& ctx) {
+    return Separation(skeleton, joins, ctx).run();
 }
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-#include "coppice/extract/stem/loose_parts.h"
+#include "coppice/extract/stem/loose_components.h"
 
 #include <gtest/gtest.h>
 
@@ -21,41 +21,41 @@ Skeleton pieces(const std::vector<std::pair<Vec3, Vec3>>& ends) {
     return Skeleton(std::move(parents), std::move(positions), std::move(radii), {1000, 2000, 300});
 }
 
-TEST(LooseParts, ShortPartsAboveTheGroundAreLoose) {
+TEST(LooseComponents, ShortPartsAboveTheGroundAreLoose) {
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 12}, {4, 0, 12}}, {{0, 2, 9}, {0, 2, 12}}});
-    const LooseParts parts = find_loose_parts(s);
+    const LooseComponents parts = find_loose_components(s);
     EXPECT_EQ(parts.trees, (std::vector<NodeId>{NodeId(0)}));
     EXPECT_EQ(parts.loose, (std::vector<NodeId>{NodeId(2), NodeId(4)}));
     EXPECT_DOUBLE_EQ(parts.length, 4);
     EXPECT_DOUBLE_EQ(parts.share, 4.0 / 24);
 }
 
-TEST(LooseParts, SmallPartsOnTheGroundAreTrees) {
+TEST(LooseComponents, SmallPartsOnTheGroundAreTrees) {
     // Next to a tall tree: one of 3 m, one at a position 4 m higher because of a slope of 1 in 5, and a
     // stump. The second tree may have its root at its tip.
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}},
                                {{5, 0, 0.5f}, {5, 0, 3.5f}},
                                {{20, 0, 7}, {20, 0, 4}},
                                {{2, 0, 0}, {2, 0, 1}}});
-    EXPECT_EQ(find_loose_parts(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2), NodeId(4)}));
+    EXPECT_EQ(find_loose_components(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2), NodeId(4)}));
 }
 
-TEST(LooseParts, LongPartsAreTreesAtAnyHeight) {
+TEST(LooseComponents, LongPartsAreTreesAtAnyHeight) {
     const Skeleton s =
         pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 9}, {3, 0, 14}}, {{-6, 0, 9}, {-6, 0, 13.9f}}});
-    EXPECT_EQ(find_loose_parts(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2)}));
+    EXPECT_EQ(find_loose_components(s).trees, (std::vector<NodeId>{NodeId(0), NodeId(2)}));
 }
 
-TEST(LooseParts, SinglePointsAreTreesIfThereAreNoOtherParts) {
+TEST(LooseComponents, SinglePointsAreTreesIfThereAreNoOtherParts) {
     const Skeleton s({NodeId::none(), NodeId::none()}, {{0, 0, 0}, {0, 0, 9}}, {1, 1});
-    const LooseParts parts = find_loose_parts(s);
+    const LooseComponents parts = find_loose_components(s);
     EXPECT_EQ(parts.trees.size(), 2u);
     EXPECT_EQ(parts.share, 0);
 }
 
-TEST(LooseParts, PartsPreserveTheirNodesAndIds) {
+TEST(LooseComponents, PartsPreserveTheirNodesAndIds) {
     const Skeleton s = pieces({{{0, 0, 0}, {0, 0, 20}}, {{3, 0, 12}, {4, 0, 12}}, {{0, 2, 0}, {0, 2, 12}}});
-    const Skeleton trees = extract_parts(s, find_loose_parts(s).trees);
+    const Skeleton trees = extract_parts(s, find_loose_components(s).trees);
     ASSERT_EQ(trees.size(), 4u);
     EXPECT_EQ(trees.origin(), s.origin());
     EXPECT_EQ(trees.parent(NodeId(3)), NodeId(2));
