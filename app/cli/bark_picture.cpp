@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coppice/render/render.h"
+#include "coppice/scene/drawn_material.h"
 
 namespace coppice::cli {
 namespace {
@@ -49,18 +50,6 @@ void add_revolution(PolygonMesh& mesh, float x, float length, float wraps, float
     }
 }
 
-RenderMaterial make_material(const BarkMaps& maps) {
-    const auto image = [&](const auto& texels, const auto& pixel) {
-        Image out(maps.width, maps.height);
-        std::ranges::transform(texels, out.pixels.begin(), pixel);
-        return out;
-    };
-    const auto of_color = [](const BarkMaps::Texel& t) { return Image::Pixel{t[0], t[1], t[2], 255}; };
-    const auto of_value = [](std::uint8_t v) { return Image::Pixel{v, v, v, 255}; };
-    return {image(maps.color, of_color), image(maps.normal, of_color), image(maps.roughness, of_value),
-            image(maps.occlusion, of_value)};
-}
-
 }  // namespace
 
 Image draw_bark(const BarkMaps& maps, float diameter, int width, const Context& ctx) {
@@ -75,7 +64,7 @@ Image draw_bark(const BarkMaps& maps, float diameter, int width, const Context& 
     add_revolution(mesh, kDistance, kHalfLength, wraps, tiles_along, [](float s) {
         return std::array{1.0f, s};
     });
-    const RenderMaterial material = make_material(maps);
+    const RenderMaterial material = make_render_material(maps);
     const std::array<Vec3d, 2> framed{{{-kHalfWidth, 0, -kHalfWidth / 2}, {kHalfWidth, 0, kHalfWidth / 2}}};
     const RenderOptions options{.camera = {.width = width,
                                            .height = (width + 1) / 2,

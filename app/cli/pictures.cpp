@@ -4,11 +4,11 @@
 
 #include "coppice/io_mesh/material.h"
 #include "coppice/render/contact_sheet.h"
-#include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "coppice/render/png_reader.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/bark_images.h"
+#include "coppice/scene/drawn_material.h"
 #include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
@@ -40,12 +40,7 @@ void check_picture_output(const std::filesystem::path& path) {
 
 RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
     return run.stage("read", [&](const Context& ctx) {
-        const MaterialFiles files = find_material(prefix);
-        const auto load = [&](const std::filesystem::path& path) {
-            return path.empty() ? Image{} : decode_picture(read_file(path, kLargestFile, ctx), path.string());
-        };
-        return RenderMaterial{load(files.color), load(files.normal), load(files.roughness),
-                              load(files.occlusion)};
+        return load_render_material(find_material(prefix), ctx);
     });
 }
 

@@ -280,6 +280,32 @@ TEST(Material, AcceptsDegenerateTextureCoordinates) {
     EXPECT_EQ(drawn(mesh, m).width, 64);
 }
 
+/// A square, and another one of 2 m to the right of it.
+PolygonMesh pair_of_squares() {
+    PolygonMesh mesh = square();
+    for (const Vec3 p : square().positions) mesh.positions.push_back(p + Vec3{0, 2, 0});
+    mesh.add_face(Quad{4, 5, 6, 7});
+    for (const TexturePoint t : square().texture) mesh.texture.push_back(t);
+    return mesh;
+}
+
+TEST(Material, FacesMayHaveDifferentOnes) {
+    const PolygonMesh mesh = pair_of_squares();
+    const RenderMaterial materials[] = {{.color = filled(1, 1, kGreen)}, {.color = filled(1, 1, kRed)}};
+    const auto draw = [&](std::vector<std::uint32_t> of_faces) {
+        return render({.mesh = &mesh, .face_materials = of_faces, .materials = materials}, from_x());
+    };
+    const Image both = draw({1, 0});
+    const Image::Pixel left = both.at(24, 32), right = both.at(40, 32);
+    EXPECT_GT(left[0], 100);
+    EXPECT_EQ(left[1], 0);
+    EXPECT_EQ(right[0], 0);
+    EXPECT_GT(right[1], 100);
+    // Other values: no material, as of a mesh without any.
+    EXPECT_EQ(draw({7, 7}), render({.mesh = &mesh}, from_x()));
+    EXPECT_THROW(draw({1}), InvalidInput);
+}
+
 TEST(Material, RejectsInvalidInput) {
     const RenderMaterial red{.color = filled(1, 1, kRed)};
     const auto error = [&](const PolygonMesh& mesh, const RenderMaterial& material) {

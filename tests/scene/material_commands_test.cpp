@@ -99,6 +99,35 @@ TEST_F(SceneMaterials, OfFilesAreReferredTo) {
     EXPECT_FALSE(has_file("c_wood_color.png"));
 }
 
+TEST_F(SceneMaterials, AreDrawn) {
+    Scene scene = make_scene();
+    scene.run_text("mesh tree plain uv=bark\nmesh tree oak uv=bark material=bark\nmaterial pale birch width=32\n"
+                   "mesh tree birch uv=bark material=pale",
+                   "x");
+    const auto draw = [&](const std::string& objects) {
+        scene.run("render " + objects + " width=48 height=48 samples=2 " + quoted_word(file("a.png")));
+        return decode_picture(read_file(file("a.png")), "a.png");
+    };
+    EXPECT_NE(draw("plain"), draw("oak"));
+    EXPECT_NE(draw("oak"), draw("birch"));
+}
+
+TEST_F(SceneMaterials, OfFilesAreDrawnAsThoseOfBark) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark");
+    const std::string options = " kind=mesh width=48 height=48 samples=2 ";
+    scene.run("render tree" + options + quoted_word(file("a.png")));
+    scene.run("save tree kind=mesh " + quoted_word(file("a.obj")));  // writes the images
+    scene.run("loadmaterial wood " + quoted_word(file("a_bark_color.png")));
+    scene.run("mesh tree uv=bark material=wood");
+    scene.run("render tree" + options + quoted_word(file("b.png")));
+    EXPECT_EQ(read_file(file("a.png")), read_file(file("b.png")));
+    // One drawing may contain meshes with and without materials, and other objects.
+    scene.run_text("mesh tree oak uv=bark material=wood\nmesh tree plain\nsphere ball", "x");
+    scene.run("render oak plain ball width=16 height=16 samples=1 " + quoted_word(file("c.png")));
+    EXPECT_TRUE(has_file("c.png"));
+}
+
 TEST_F(SceneMaterials, DisplaceSurfaces) {
     Scene scene = make_scene();
     scene.run("mesh tree plain uv=bark tile=0.1");

@@ -38,6 +38,12 @@ void check(const PointCloud& cloud, float radius) {
     }
 }
 
+/// Returns the materials of the faces, or that of all faces.
+std::span<const RenderMaterial> get_materials(const RenderScene& scene) {
+    if (scene.material == nullptr) return scene.materials;
+    return {scene.material, 1};
+}
+
 void check(const RenderMaterial& material, const PolygonMesh* mesh) {
     if (mesh == nullptr || mesh->texture.empty())
         throw InvalidInput("render: a material requires a mesh with texture coordinates");
@@ -77,7 +83,10 @@ void check(const RenderScene& scene, const RenderOptions& options) {
             throw InvalidInput(fmt::format("render: face {} is marked, but there are {}", f, faces));
     }
     if (scene.cloud != nullptr) check(*scene.cloud, scene.point_radius);
-    if (scene.material != nullptr) check(*scene.material, scene.mesh);
+    for (const RenderMaterial& material : get_materials(scene)) check(material, scene.mesh);
+    if (!scene.face_materials.empty() &&
+        (scene.mesh == nullptr || scene.face_materials.size() != scene.mesh->face_count()))
+        throw InvalidInput("render: the number of materials of faces must be that of the faces");
     const bool has_other = scene.distance_to != nullptr && scene.distance_to->boxes().size() > 0;
     if (options.color == RenderColor::distance && scene.cloud != nullptr && scene.cloud->distances.empty() &&
         !has_other)
@@ -203,10 +212,11 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     if (middle && scene.view == nullptr && camera.project(*middle).depth <= 0)
         throw InvalidInput(
             "render: the point of look_at is behind the camera; change the direction of the camera");
-    std::optional<TracedMaterial> material;
-    if (scene.material != nullptr && options.color == RenderColor::plain)
-        material.emplace(*scene.material, ctx);
-    const Shading shading(traced, camera, chosen, material ? &*material : nullptr);
+    std::vector<TracedMaterial> materials;
+    if (options.color == RenderColor::plain) {
+        for (const RenderMaterial& material : get_materials(scene)) materials.emplace_back(material, ctx);
+    }
+    const Shading shading(traced, camera, chosen, materials);
     Image image(options.camera.width, options.camera.height);
     const int columns = (options.camera.width + kTile - 1) / kTile;
     for (int top = 0; top < options.camera.height; top += kRowsPerReport) {

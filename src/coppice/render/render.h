@@ -52,6 +52,10 @@ struct RenderScene {
     /// The surface of the mesh, which requires texture coordinates; drawn with the colour `plain`. May be
     /// null.
     const RenderMaterial* material = nullptr;
+    /// In place of `material`: for each face the index of one of `materials`; faces with another value have
+    /// no material.
+    std::span<const std::uint32_t> face_materials;
+    std::span<const RenderMaterial> materials;  ///< used with `face_materials`
     const PointCloud* cloud = nullptr;   ///< points; may be null
     float point_radius = 0;              ///< [m] of the points; > 0
     const Skeleton* skeleton = nullptr;  ///< the skeleton; may be null

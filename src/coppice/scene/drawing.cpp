@@ -4,12 +4,14 @@
 
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
+#include "coppice/scene/drawn_material.h"
 
 namespace coppice {
 namespace {
 
 constexpr float kPointSize = 1 / 250.0f;  // [size of the bounding box of the points]
 constexpr int kPathSteps = 200;
+constexpr std::uint32_t kNoMaterial = ~0u;
 
 /// Collects surfaces and balls of all objects relative to the origin of the first one.
 class Gatherer {
@@ -25,9 +27,13 @@ class Gatherer {
         PolygonMesh part;
         part.positions.assign(made.positions.begin(), made.positions.end());
         for (const auto& t : made.triangles) part.add_face(t);
-        add(part);
+        add(part, kNoMaterial);
     }
-    void operator()(const Surface& surface) { add(make_polygons(surface)); }
+    void operator()(const Surface& surface) {
+        PolygonMesh part = make_polygons(surface);
+        if (!surface.texture.empty()) part.texture = surface.texture;
+        add(part, surface.material ? number_material(*surface.material) : kNoMaterial);
+    }
     void operator()(const Skeleton& s) {
         const Vec3 shift = compute_shift(s.origin());
         const auto base = static_cast<std::uint32_t>(positions_.size());
@@ -64,6 +70,11 @@ class Gatherer {
         mesh_.origin = origin_.value_or(Vec3d{});
         return std::move(mesh_);
     }
+    /// The materials of the meshes, each once, and per face of the mesh the index of its material.
+    std::span<const SurfaceMaterial> materials() const { return materials_; }
+    std::vector<std::uint32_t> face_materials() {
+        return materials_.empty() ? std::vector<std::uint32_t>() : std::move(face_materials_);
+    }
     std::optional<Skeleton> skeleton() {
         if (positions_.empty()) return {};
         return Skeleton(std::move(parents_), std::move(positions_), std::move(radii_),
@@ -84,7 +95,15 @@ class Gatherer {
         radii_.push_back(radius);
         return NodeId(static_cast<std::uint32_t>(positions_.size() - 1));
     }
-    void add(const PolygonMesh& part) {
+    std::uint32_t number_material(const SurfaceMaterial& material) {
+        const auto found = std::ranges::find_if(materials_, [&](const SurfaceMaterial& m) {
+            return m.bark == material.bark && m.files.color == material.files.color;
+        });
+        const auto index = static_cast<std::uint32_t>(found - materials_.begin());
+        if (found == materials_.end()) materials_.push_back(material);
+        return index;
+    }
+    void add(const PolygonMesh& part, std::uint32_t material) {
         const Vec3 shift = compute_shift(part.origin);
         const auto base = static_cast<std::uint32_t>(mesh_.positions.size());
         for (const Vec3 p : part.positions) mesh_.positions.push_back(p + shift);
@@ -93,13 +112,18 @@ class Gatherer {
             corners.clear();
             for (const std::uint32_t v : part.face(f)) corners.push_back(base + v);
             mesh_.add_face(corners);
+            face_materials_.push_back(material);
         }
+        mesh_.texture.insert(mesh_.texture.end(), part.texture.begin(), part.texture.end());
+        mesh_.texture.resize(mesh_.corners.size(), TexturePoint{});  // without coordinates: no material
     }
 
     float point_radius_;
     const Context& ctx_;
     std::optional<Vec3d> origin_;
     PolygonMesh mesh_;
+    std::vector<std::uint32_t> face_materials_;
+    std::vector<SurfaceMaterial> materials_;
     std::vector<NodeId> parents_;
     std::vector<Vec3> positions_;
     std::vector<float> radii_;
@@ -121,6 +145,19 @@ Drawing::Drawing(std::span<const ObjectPtr> objects, float point_radius, const S
     for (const ObjectPtr& object : objects) std::visit(gatherer, object->value);
     mesh_ = gatherer.mesh();
     skeleton_ = gatherer.skeleton();
+    face_materials_ = gatherer.face_materials();
+    load_materials(gatherer.materials(), call, quiet);
+}
+
+void Drawing::load_materials(std::span<const SurfaceMaterial> materials, const SceneCall& call,
+                             const Context& ctx) {
+    double pixels = 0;
+    for (const SurfaceMaterial& material : materials) {
+        if (material.bark) call.reserve(kBytesOfDrawnTexel * static_cast<double>(material.bark->size()));
+        materials_.push_back(load_render_material(material, ctx));
+        pixels += static_cast<double>(materials_.back().color.pixels.size());
+        call.reserve(kBytesOfDrawnTexel * pixels);
+    }
 }
 
 }  // namespace coppice

@@ -91,11 +91,11 @@ struct Shading::Surface {
 };
 
 Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options,
-                 const TracedMaterial* material)
+                 std::span<const TracedMaterial> materials)
     : scene_(scene),
       camera_(camera),
       options_(options),
-      material_(material),
+      materials_(materials),
       ground_height_(scene.bounds().low.z) {
     const float a = options.camera.azimuth + options.sun_azimuth, e = options.sun_elevation;
     sun_ = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
@@ -193,10 +193,9 @@ Footprint Shading::footprint(const Hit& hit, const Camera::Ray& ray, float x, fl
 
 Shading::Surface Shading::surface(const Hit& hit, const Camera::Ray& ray, float x, float y) const {
     Surface out{albedo(hit), hit.normal, std::nullopt, 1};
-    if (material_ == nullptr || options_.color != RenderColor::plain) return out;
     const auto place = scene_.texture_place(hit);
-    if (!place) return out;
-    const Texel texel = material_->at(*place, footprint(hit, ray, x, y), hit.normal);
+    if (!place || place->material >= materials_.size()) return out;
+    const Texel texel = materials_[place->material].at(*place, footprint(hit, ray, x, y), hit.normal);
     return {texel.color.value_or(out.albedo), texel.normal, texel.roughness, texel.occlusion};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "coppice/render/colors.h"
 #include "coppice/render/trace/traced_scene_internal.h"
@@ -19,9 +20,9 @@ constexpr Vec3 kMarkColor{0.80f, 0.0f, 0.42f};
 /// Sun, sky and the reflection of the surface.
 class Shading {
   public:
-    /// `material` may be null.
+    /// Faces with the index of none of the `materials` have no material.
     Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options,
-            const TracedMaterial* material);
+            std::span<const TracedMaterial> materials);
 
     /// Returns the light of pixel (x, y), the mean of all samples. Does not depend on earlier calls.
     Light pixel(int x, int y) const;
@@ -44,7 +45,7 @@ class Shading {
     const TracedScene& scene_;
     const Camera& camera_;
     const RenderOptions& options_;
-    const TracedMaterial* material_;
+    std::span<const TracedMaterial> materials_;
     Vec3 sun_;
     float ground_height_;
     bool ground_visible_;

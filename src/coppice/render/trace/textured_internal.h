@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "coppice/base/context.h"
@@ -13,6 +14,7 @@ namespace coppice {
 struct TexturePlace {
     float u = 0, v = 0;           ///< [tiles]
     Vec3 gradient_u, gradient_v;  ///< [tiles] per unit of the traced scene; zero for a face without area
+    std::uint32_t material = 0;   ///< index of the material of the face
 };
 
 /// The part of the surface that one sample represents: its sides in the plane of the face.

@@ -88,7 +88,7 @@ TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options,
         if (scene.mesh != nullptr) {
             add_faces(*scene.mesh, scene.marked_faces);
             if (!options.flat) smooth_normals();
-            if (scene.material != nullptr) add_texture(*scene.mesh);
+            if (scene.material != nullptr || !scene.materials.empty()) add_texture(scene);
             attach_mesh(solid_.get(), quads_, ctx);
             kinds_.push_back(GeometryKind::mesh);
         }
@@ -166,7 +166,8 @@ void TracedScene::add_faces(const PolygonMesh& mesh, std::span<const std::uint32
 }
 
 /// Divides the faces in the same way as `add_faces`.
-void TracedScene::add_texture(const PolygonMesh& mesh) {
+void TracedScene::add_texture(const RenderScene& scene) {
+    const PolygonMesh& mesh = *scene.mesh;
     texture_.reserve(quads_.size());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
         const std::span<const TexturePoint> t(mesh.texture.data() + mesh.first[f],
@@ -174,6 +175,7 @@ void TracedScene::add_texture(const PolygonMesh& mesh) {
         if (t.size() == 4) texture_.push_back({t[0], t[1], t[2], t[3]});
         for (std::size_t k = 1; t.size() != 4 && k + 1 < t.size(); ++k)
             texture_.push_back({t[0], t[k], t[k + 1], t[k + 1]});
+        if (!scene.face_materials.empty()) quad_materials_.resize(texture_.size(), scene.face_materials[f]);
     }
 }
 
@@ -353,7 +355,8 @@ std::optional<TexturePlace> TracedScene::texture_place(const Hit& hit) const {
     TexturePlace out{a.u * weight[0] + b.u * weight[1] + c.u * weight[2],
                      a.v * weight[0] + b.v * weight[1] + c.v * weight[2],
                      {},
-                     {}};
+                     {},
+                     quad_materials_.empty() ? 0 : quad_materials_[hit.face]};
     const Vec3 to_b = positions_[vertex[1]] - positions_[vertex[0]];
     const Vec3 to_c = positions_[vertex[2]] - positions_[vertex[0]];
     const Vec3 across = cross(to_b, to_c);

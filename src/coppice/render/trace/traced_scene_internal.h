@@ -65,7 +65,7 @@ class TracedScene {
     float deviation(const Hit& hit) const;  ///< NaN where unknown
     float evidence(std::uint32_t node) const { return evidence_[node]; }
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
-    /// Returns the texture coordinates of a hit on the mesh; nullopt if it has no material.
+    /// Returns the texture coordinates and the material of a hit on the mesh; nullopt without materials.
     std::optional<TexturePlace> texture_place(const Hit& hit) const;
     /// Returns the colour that the scene specifies for a vertex or a node, linear; nullopt if it has none.
     std::optional<Vec3> object_color(const Hit& hit) const;
@@ -73,7 +73,7 @@ class TracedScene {
   private:
     void place(const RenderScene& scene, float skeleton_width);
     void add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked);
-    void add_texture(const PolygonMesh& mesh);
+    void add_texture(const RenderScene& scene);
     void smooth_normals();
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
     void attach_mesh(RTCScene scene, std::span<const Quad> quads, const Context& ctx);
@@ -97,6 +97,7 @@ class TracedScene {
     std::vector<Quad> marked_quads_;  ///< marked faces
     std::vector<std::array<TexturePoint, 4>>
         texture_;  ///< of the corners of `quads_`; empty without material
+    std::vector<std::uint32_t> quad_materials_;  ///< of `quads_`; empty if all have the first material
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;

@@ -1,0 +1,34 @@
+#include "coppice/scene/drawn_material.h"
+
+#include <algorithm>
+
+#include "coppice/render/picture.h"
+#include "coppice/system/file.h"
+
+namespace coppice {
+
+RenderMaterial make_render_material(const BarkMaps& maps) {
+    const auto image = [&](const auto& texels, const auto& pixel) {
+        Image out(maps.width, maps.height);
+        std::ranges::transform(texels, out.pixels.begin(), pixel);
+        return out;
+    };
+    const auto of_color = [](const BarkMaps::Texel& t) { return Image::Pixel{t[0], t[1], t[2], 255}; };
+    const auto of_value = [](std::uint8_t v) { return Image::Pixel{v, v, v, 255}; };
+    return {image(maps.color, of_color), image(maps.normal, of_color), image(maps.roughness, of_value),
+            image(maps.occlusion, of_value)};
+}
+
+RenderMaterial load_render_material(const MaterialFiles& files, const Context& ctx) {
+    const auto load = [&](const std::filesystem::path& path) {
+        if (path.empty()) return Image{};
+        return decode_picture(read_file(path, kLargestFile, ctx), path.string());
+    };
+    return {load(files.color), load(files.normal), load(files.roughness), load(files.occlusion)};
+}
+
+RenderMaterial load_render_material(const SurfaceMaterial& material, const Context& ctx) {
+    return material.bark ? make_render_material(*material.bark) : load_render_material(material.files, ctx);
+}
+
+}  // namespace coppice
