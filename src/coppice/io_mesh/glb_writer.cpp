@@ -157,7 +157,7 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     std::vector<Vec3> normals = smooth_normals(given);
     if (split) normals = split_normals(normals, *split);
     const std::vector<Tangent> tangents =
-        has_tangents ? compute_tangents(*split, normals) : std::vector<Tangent>();
+        has_tangents ? compute_tangents(*split, normals, ctx) : std::vector<Tangent>();
     GlbLayout layout;
     const json attributes = describe_attributes(mesh, split.has_value(), has_tangents, layout);
     const std::size_t corners = 3 * mesh.triangle_count();

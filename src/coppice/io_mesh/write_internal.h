@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
 #include "coppice/io/item_writer.h"
@@ -81,7 +82,8 @@ struct SplitMesh {
     ~SplitMesh() = default;
 
     /// Divides the faces into triangles, and the vertices as [Mikkelsen2008] does: the triangles around a
-    /// vertex are connected by edges, and the texture is mirrored in all of them or in none. O(n).
+    /// vertex are connected by edges, and the texture is mirrored in all of them or in none. O(n), n log n in
+    /// the valence.
     void divide_for_tangents(const Context& ctx);
 
     /// Returns the vertex of the given mesh for one of the split mesh; the same without a split mesh.
@@ -92,7 +94,9 @@ struct SplitMesh {
     TextureTable table;  ///< without `of_corner` after a division
     std::vector<Vec3> positions;
     Buffer<Triangle> triangles;  ///< after a division
-    MeshView view;               ///< refers to the members above
+    /// Corners of the triangles at each vertex that existed before a division; set by it.
+    CompressedRows<std::uint32_t> corners;
+    MeshView view;  ///< refers to the members above
 };
 
 /// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
@@ -119,8 +123,9 @@ struct Tangent {
 };
 
 /// Returns the tangents of the vertices of a mesh that was divided for them: those of [Mikkelsen2008], for
-/// which normal maps are made. Sequential, as `smooth_normals`.
-std::vector<Tangent> compute_tangents(const SplitMesh& mesh, std::span<const Vec3> normals);
+/// which normal maps are made. The same for any number of threads. O(n).
+std::vector<Tangent> compute_tangents(const SplitMesh& mesh, std::span<const Vec3> normals,
+                                      const Context& ctx);
 
 enum class Subdivision { none, catmull_clark };
 
