@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
@@ -95,12 +96,14 @@ std::vector<VertexAttribute> evaluate(std::span<const Vec3> positions, Vec3d ori
     std::vector<VertexAttribute> out;
     for (const char* name : {"order", "branch", "distance", "radius"})
         out.push_back({name, Buffer<float>(positions.size())});
-    const CapsuleTree capsules(prepared, origin, ctx);
+    std::optional<CapsuleTree> capsules;
+    if (std::ranges::any_of(wrapped, [](NodeId segment) { return !segment; }))
+        capsules.emplace(prepared, origin, ctx);
     const Vec3 shift(origin - prepared.origin());
     const auto find_segment = [&](std::size_t v) {
         if (wrapped[v]) return axes.closest(wrapped[v], positions[v] + shift);
-        const std::uint32_t nearest = capsules.nearest(Vec3d(positions[v])).capsule;
-        return nearest != kNoIndex ? capsules.node(nearest) : NodeId(0);
+        const std::uint32_t nearest = capsules->nearest(Vec3d(positions[v])).capsule;
+        return nearest != kNoIndex ? capsules->node(nearest) : NodeId(0);
     };
     parallel_for(ctx, positions.size(), kVertexGrain, [&](std::size_t v) {
         const std::array<float, 4> values = axes.at(find_segment(v), positions[v] + shift);
