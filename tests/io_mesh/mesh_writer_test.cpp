@@ -411,6 +411,39 @@ TEST_F(MeshWriter, CreatesNoFileIfCancelled) {
     EXPECT_TRUE(fs::is_empty(folder_));
 }
 
+TEST_F(MeshWriter, LeavesNoMaterialLibraryWithoutItsObj) {
+    std::stop_source stop;
+    stop.request_stop();
+    Context ctx;
+    ctx.stop = stop.get_token();
+    const std::vector<TexturePoint> texture(4 * cuboid().quads.size(), TexturePoint{0, 0});
+    const MeshWriteOptions options{.texture = texture, .material = {.color = folder_ / "color.png"}};
+    EXPECT_THROW(write_mesh(folder_ / "a.obj", cuboid(), options, ctx), Cancelled);
+    EXPECT_FALSE(fs::exists(folder_ / "a.mtl"));
+    write_mesh(folder_ / "a.obj", cuboid(), options);
+    EXPECT_TRUE(fs::exists(folder_ / "a.mtl"));
+}
+
+// Every third column of the sheet is mirrored, so that many vertices are divided.
+TEST_F(MeshWriter, TangentsDoNotDependOnThreads) {
+    const QuadMesh mesh = sheet(60);
+    std::vector<TexturePoint> texture;
+    for (const Quad& q : mesh.quads) {
+        const float sign = (q[0] / 61 * 7) % 3 == 0 ? -1.0f : 1.0f;
+        for (const std::uint32_t v : q) texture.push_back({sign * mesh.positions[v].x, mesh.positions[v].y});
+    }
+    const fs::path image = folder_ / "image.png";
+    write_file(image, "\x89PNG");
+    const auto with = [&](unsigned threads) {
+        write_mesh(folder_ / "a.glb", mesh,
+                   {.texture = texture, .material = {.color = image, .normal = image}}, {.threads = threads});
+        return read_file(folder_ / "a.glb", 1 << 24);
+    };
+    const std::string one = with(1);
+    EXPECT_TRUE(one == with(2));
+    EXPECT_TRUE(one == with(7));
+}
+
 TEST_F(MeshWriter, ReportsErrors) {
     const std::string start = "cannot write " + folder_.string() + "/";
     EXPECT_EQ(error_of("a.xyz", cuboid()),

@@ -95,11 +95,13 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
         normals = smooth_normals(mesh);
         mesh.normals = normals;
     }
-    if (mesh.material != nullptr && format == MeshFormat::obj) write_mtl(path, *mesh.material);
     write_whole(path, mesh, ctx, [&](AtomicFile& file) {
         switch (format) {
             case MeshFormat::obj:
-                return write_obj(file, mesh, ctx);
+                write_obj(file, mesh, ctx);
+                // Not earlier: a file that fails must not leave its library.
+                if (mesh.material != nullptr) write_mtl(path, *mesh.material);
+                return;
             case MeshFormat::ply:
                 return write_ply(file, mesh, ctx);
             case MeshFormat::stl:
