@@ -51,8 +51,13 @@ class FaceTransfer {
     // Finds the points of the vertices that are marked.
     void find_vertices(std::span<const std::uint8_t> wanted) {
         if (transfer_.empty()) return;
-        parallel_for(ctx_, positions_.size(), kFaceGrain, [&](std::size_t v) {
-            if (wanted[v] != 0) found_[v] = transfer_.find(positions_[v]);
+        parallel_for_ranges(ctx_, positions_.size(), kFaceGrain, [&](IndexRange range) {
+            std::uint32_t nearest = kNoIndex;  // of the last vertex, which is often close to the next
+            for (std::size_t v = range.begin; v < range.end; ++v) {
+                if (wanted[v] == 0) continue;
+                nearest = transfer_.find_nearest(Vec3d(positions_[v]), nearest);
+                found_[v] = transfer_.evaluate(nearest, positions_[v]);
+            }
         });
     }
 

@@ -41,17 +41,29 @@ struct FaceDensity {
     float area;     // [m^2]
 };
 
+// Returns the minimum density up to which the faces have the given area, which reorders them; 0 without
+// faces. O(n).
+double find_density(std::span<FaceDensity> faces, double wanted) {
+    while (faces.size() > 1) {
+        const std::size_t middle = faces.size() / 2;
+        std::ranges::nth_element(faces, faces.begin() + static_cast<std::ptrdiff_t>(middle), {},
+                                 &FaceDensity::density);
+        double below = 0;
+        for (const FaceDensity& f : faces.first(middle)) below += double{f.area};
+        const bool is_above = below < wanted;
+        if (is_above) wanted -= below;
+        faces = is_above ? faces.subspan(middle) : faces.first(middle);
+    }
+    return faces.empty() ? 0 : double{faces[0].density};
+}
+
 // Returns the densities below which the given shares of the area are.
 std::array<double, 3> density_quantiles(std::vector<FaceDensity> faces, std::array<double, 3> shares) {
-    std::ranges::sort(faces, {}, &FaceDensity::density);
-    double total = 0, sum = 0;
+    double total = 0;
     for (const FaceDensity& f : faces) total += double{f.area};
     std::array<double, 3> out{};
-    std::size_t next = 0;
-    for (const FaceDensity& f : faces) {
-        sum += double{f.area};
-        while (next < 3 && sum >= shares[next] * total) out[next++] = double{f.density};
-    }
+    std::ranges::transform(shares, out.begin(),
+                           [&](double share) { return find_density(faces, share * total); });
     return out;
 }
 

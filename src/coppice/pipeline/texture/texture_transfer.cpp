@@ -88,22 +88,33 @@ std::vector<Box3> TextureTransfer::boxes() const {
     return out;
 }
 
-BarkPoint TextureTransfer::find(Vec3 point, std::uint32_t axis) const {
-    const Vec3d p(point);
-    double least = std::numeric_limits<double>::infinity();
-    std::uint32_t nearest = kNoIndex;
+double TextureTransfer::squared_distance(std::uint32_t quad, Vec3d p) const {
+    const auto q = corners(quads_[quad]);
+    return std::min(distance_squared(p, Vec3d(q[0]), Vec3d(q[1]), Vec3d(q[2])),
+                    distance_squared(p, Vec3d(q[0]), Vec3d(q[2]), Vec3d(q[3])));
+}
+
+std::uint32_t TextureTransfer::find_nearest(Vec3d p, std::uint32_t near, std::uint32_t axis) const {
+    std::uint32_t nearest = near;
+    double least = near == kNoIndex ? std::numeric_limits<double>::infinity() : squared_distance(near, p);
     const auto bound = [&](std::uint32_t level, std::uint32_t i) {
         return distance_squared(tree_.level(level)[i], p);
     };
     tree_.search(bound, least, [&](std::uint32_t item) {
         if (axis != kNoIndex && texture_.patch(quads_[item].cage_quad).axis != axis) return;
-        const auto q = corners(quads_[item]);
-        const double d = std::min(distance_squared(p, Vec3d(q[0]), Vec3d(q[1]), Vec3d(q[2])),
-                                  distance_squared(p, Vec3d(q[0]), Vec3d(q[2]), Vec3d(q[3])));
+        const double d = squared_distance(item, p);
         if (d > least || (d == least && item > nearest)) return;
         least = d;
         nearest = item;
     });
+    return nearest;
+}
+
+BarkPoint TextureTransfer::find(Vec3 point, std::uint32_t axis) const {
+    return evaluate(find_nearest(Vec3d(point), kNoIndex, axis), point);
+}
+
+BarkPoint TextureTransfer::evaluate(std::uint32_t nearest, Vec3 point) const {
     if (nearest == kNoIndex) return {};
     const CarrierQuad& q = quads_[nearest];
     const TexturePatch& patch = texture_.patch(q.cage_quad);

@@ -32,6 +32,12 @@ class TextureTransfer {
     bool empty() const { return quads_.empty(); }  ///< whether there are no quads
     /// Returns the coordinates for a point near the surface; if given, on this branch. O(log n).
     BarkPoint find(Vec3 p, std::uint32_t axis = kNoIndex) const;
+    /// Returns the index of the closest quad; kNoIndex if there is none. `near`: a quad at which the search
+    /// begins, or kNoIndex; one near the point makes it faster and does not change the result. If given, on
+    /// this branch. O(log n).
+    std::uint32_t find_nearest(Vec3d p, std::uint32_t near, std::uint32_t axis = kNoIndex) const;
+    /// Returns the coordinates for a point near a quad of find_nearest().
+    BarkPoint evaluate(std::uint32_t nearest, Vec3 p) const;
 
   private:
     // A refined quad with texture.
@@ -41,6 +47,7 @@ class TextureTransfer {
     std::vector<CarrierQuad> find_quads(std::span<const std::uint8_t> tubes) const;
     std::array<Vec3, 4> corners(const CarrierQuad& q) const;
     std::vector<Box3> boxes() const;
+    double squared_distance(std::uint32_t quad, Vec3d p) const;
 
     const QuadBuild& build_;
     const TubeTexture& texture_;
