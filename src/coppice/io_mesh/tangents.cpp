@@ -112,7 +112,7 @@ struct TangentSum {
 // Returns the unit vector along the projection of a vector on the plane of a normal; zero if there is none.
 Vec3d project(Vec3d v, Vec3d normal) { return normalized(v - normal * dot(v, normal), Vec3d{}); }
 
-// Returns an angle by its cosine, with an error below 1e-4 [Abramowitz1964, 4.4.45].
+// Returns an angle by its cosine, with an error below 1e-4: formula 4.4.45 of [Abramowitz1964].
 double compute_angle(double cosine) {
     const double x = std::min(std::abs(cosine), 1.0);
     const double angle = std::sqrt(1 - x) * (1.5707288 + x * (-0.2121144 + x * (0.0742610 - x * 0.0187293)));
