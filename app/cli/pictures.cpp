@@ -39,9 +39,8 @@ void check_picture_output(const std::filesystem::path& path) {
 }
 
 RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
-    return run.stage("read", [&](const Context& ctx) {
-        return load_render_material(find_material(prefix), ctx);
-    });
+    return run.stage("read",
+                     [&](const Context& ctx) { return load_render_material(find_material(prefix), ctx); });
 }
 
 std::filesystem::path height_file(const std::filesystem::path& prefix) {

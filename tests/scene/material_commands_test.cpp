@@ -101,9 +101,10 @@ TEST_F(SceneMaterials, OfFilesAreReferredTo) {
 
 TEST_F(SceneMaterials, AreDrawn) {
     Scene scene = make_scene();
-    scene.run_text("mesh tree plain uv=bark\nmesh tree oak uv=bark material=bark\nmaterial pale birch width=32\n"
-                   "mesh tree birch uv=bark material=pale",
-                   "x");
+    scene.run_text(
+        "mesh tree plain uv=bark\nmesh tree oak uv=bark material=bark\nmaterial pale birch width=32\n"
+        "mesh tree birch uv=bark material=pale",
+        "x");
     const auto draw = [&](const std::string& objects) {
         scene.run("render " + objects + " width=48 height=48 samples=2 " + quoted_word(file("a.png")));
         return decode_picture(read_file(file("a.png")), "a.png");

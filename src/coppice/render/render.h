@@ -56,9 +56,9 @@ struct RenderScene {
     /// no material.
     std::span<const std::uint32_t> face_materials;
     std::span<const RenderMaterial> materials;  ///< used with `face_materials`
-    const PointCloud* cloud = nullptr;   ///< points; may be null
-    float point_radius = 0;              ///< [m] of the points; > 0
-    const Skeleton* skeleton = nullptr;  ///< the skeleton; may be null
+    const PointCloud* cloud = nullptr;          ///< points; may be null
+    float point_radius = 0;                     ///< [m] of the points; > 0
+    const Skeleton* skeleton = nullptr;         ///< the skeleton; may be null
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
     std::span<const float>

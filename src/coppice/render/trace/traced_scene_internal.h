@@ -96,7 +96,7 @@ class TracedScene {
     std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
     std::vector<Quad> marked_quads_;  ///< marked faces
     std::vector<std::array<TexturePoint, 4>>
-        texture_;  ///< of the corners of `quads_`; empty without material
+        texture_;                                ///< of the corners of `quads_`; empty without material
     std::vector<std::uint32_t> quad_materials_;  ///< of `quads_`; empty if all have the first material
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
