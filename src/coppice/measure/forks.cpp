@@ -28,11 +28,7 @@ std::vector<Forks::Ball> Forks::balls(const Skeleton& s, Vec3d origin, double re
 
 std::vector<Box3> Forks::compute_boxes(const std::vector<Ball>& balls) {
     std::vector<Box3> out(balls.size());
-    for (std::size_t i = 0; i < balls.size(); ++i) {
-        const Vec3d half{balls[i].radius, balls[i].radius, balls[i].radius};
-        extend_outward(out[i], balls[i].center - half);
-        extend_outward(out[i], balls[i].center + half);
-    }
+    for (std::size_t i = 0; i < balls.size(); ++i) extend_outward(out[i], balls[i].center, balls[i].radius);
     return out;
 }
 

@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
+#include "coppice/base/golden_section.h"
 #include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 
@@ -45,28 +47,15 @@ ClosestBall find_closest_ball(const RoundCone& c, Vec3d p) {
 /// Returns whether two cones have a common point. The distance of a ball of b from a is convex in the ball's
 /// parameter.
 bool overlap(const RoundCone& a, const RoundCone& b) {
-    constexpr int kSteps = 40;
-    constexpr double kGolden = 0.6180339887498949;
+    constexpr double kTolerance = 1e-8;
     const SegmentGap closest = gap(a, b);
     if (closest.distance <= a.radius(closest.s) + b.radius(closest.t)) return true;
     if (a.growth == 0 && b.growth == 0) return false;
     const auto distance_at = [&](double t) {
         return find_closest_ball(a, b.point(t)).distance - b.radius(t);
     };
-    double low = 0, high = 1;
-    std::array<double, 2> t{1 - kGolden, kGolden}, d{distance_at(t[0]), distance_at(t[1])};
-    for (int step = 0; step < kSteps && std::min(d[0], d[1]) > 0; ++step) {
-        if (d[0] < d[1]) {
-            high = t[1];
-            t = {high - kGolden * (high - low), t[0]};
-            d = {distance_at(t[0]), d[0]};
-        } else {
-            low = t[0];
-            t = {t[1], low + kGolden * (high - low)};
-            d = {d[1], distance_at(t[1])};
-        }
-    }
-    return std::min({d[0], d[1], distance_at(0), distance_at(1)}) <= 0;
+    const double middle = find_minimum(0, 1, kTolerance, distance_at);
+    return std::min({distance_at(middle), distance_at(0), distance_at(1)}) <= 0;
 }
 
 /// Returns whether three cones have a common point, by projecting a point onto each in turn.
@@ -95,17 +84,15 @@ bool overlap(const std::array<const RoundCone*, 3>& cones) {
 
 Box3 compute_box(const RoundCone& c) {
     Box3 box;
-    for (const auto& [center, r] : {std::pair{c.a, c.radius_a}, std::pair{c.b(), c.radius_b()}}) {
-        extend_outward(box, center - Vec3d{r, r, r});
-        extend_outward(box, center + Vec3d{r, r, r});
-    }
+    extend_outward(box, c.a, c.radius_a);
+    extend_outward(box, c.b(), c.radius_b());
     return box;
 }
 
 /// The pairs of cones with common points.
 class Pairs {
   public:
-    Pairs(const CapsuleTree& capsules, const Context& ctx) : first_(capsules.size() + std::size_t{1}, 0) {
+    Pairs(const CapsuleTree& capsules, const Context& ctx) {
         std::vector<Box3> boxes(capsules.size());
         parallel_for(ctx, boxes.size(), kPairGrain, [&](std::size_t i) {
             boxes[i] = compute_box(capsules.cone(static_cast<std::uint32_t>(i)));
@@ -123,30 +110,29 @@ class Pairs {
             std::ranges::sort(after[i]);
         });
         is_crowded_ = neighbors > most;
-        for (std::size_t i = 0; i < after.size(); ++i) {
-            first_[i + 1] = first_[i] + after[i].size();
-            second_.insert(second_.end(), after[i].begin(), after[i].end());
+        for (const auto& row : after) {
+            rows_.items.insert(rows_.items.end(), row.begin(), row.end());
+            rows_.first.push_back(rows_.items.size());
         }
     }
 
     bool is_crowded() const { return is_crowded_; }  ///< the search was stopped: too many boxes overlap
-    std::size_t size() const { return second_.size(); }
-    std::size_t begin(std::uint32_t i) const { return first_[i]; }  ///< first pair of cone i with a later one
-    std::size_t end(std::uint32_t i) const { return first_[i + 1]; }  ///< past the last of these
-    std::uint32_t second(std::size_t pair) const { return second_[pair]; }
+    std::size_t size() const { return rows_.items.size(); }
+    std::size_t begin(std::uint32_t i) const { return rows_.first[i]; }  ///< first pair of i with a later one
+    std::size_t end(std::uint32_t i) const { return begin(i + 1); }      ///< past the last of these
+    std::uint32_t second(std::size_t pair) const { return rows_.items[pair]; }
     /// Returns the pair of two different cones; size() if they have no common point.
     std::size_t find(std::uint32_t i, std::uint32_t j) const {
         if (i > j) std::swap(i, j);
-        const auto from = second_.begin() + static_cast<std::ptrdiff_t>(begin(i));
-        const auto to = second_.begin() + static_cast<std::ptrdiff_t>(end(i));
-        const auto found = std::lower_bound(from, to, j);
-        return found != to && *found == j ? static_cast<std::size_t>(found - second_.begin()) : size();
+        const auto row = rows_[i];
+        const auto found = std::ranges::lower_bound(row, j);
+        if (found == row.end() || *found != j) return size();
+        return begin(i) + static_cast<std::size_t>(found - row.begin());
     }
 
   private:
     bool is_crowded_ = false;
-    std::vector<std::size_t> first_;
-    std::vector<std::uint32_t> second_;
+    CompressedRows<std::uint32_t, std::size_t> rows_;  // of each cone the later ones, ascending
 };
 
 /// The cones of trees, each joined to one before it by a ball that both contain.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coppice/base/golden_section.h"
 #include "coppice/ramification/objective_internal.h"
 #include "coppice/ramification/units_internal.h"
 
@@ -29,30 +30,6 @@ constexpr double kMinRow = 0.2;
 constexpr double kInRow = 0.75;
 // Maximum share of the half width of a face used by a lateral.
 constexpr double kFaceFilled = 0.85;
-
-/// Returns the minimum of a unimodal function by golden-section search.
-template <class Function>
-double find_minimum(double low, double high, double tolerance, const Function& f) {
-    constexpr double kGolden = 0.6180339887498949;
-    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    double fa = f(a), fb = f(b);
-    while (high - low > tolerance) {
-        if (fa <= fb) {
-            high = b;
-            b = a;
-            fb = fa;
-            a = high - kGolden * (high - low);
-            fa = f(a);
-        } else {
-            low = a;
-            a = b;
-            fa = fb;
-            b = low + kGolden * (high - low);
-            fb = f(b);
-        }
-    }
-    return (low + high) / 2;
-}
 
 /// Unit before its ends are determined: it must contain [low, high], and is initially a cube from start to
 /// end.

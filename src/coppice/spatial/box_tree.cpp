@@ -62,4 +62,10 @@ void extend_outward(Box3& box, Vec3d p) {
     box.extend(cell);
 }
 
+void extend_outward(Box3& box, Vec3d center, double radius) {
+    const Vec3d reach(radius, radius, radius);
+    extend_outward(box, center - reach);
+    extend_outward(box, center + reach);
+}
+
 }  // namespace coppice

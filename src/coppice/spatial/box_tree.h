@@ -184,5 +184,7 @@ inline double distance_squared(const Box3& a, const Box3& b) {
 
 /// Extends a box to the smallest box in single precision that contains a point in double precision.
 void extend_outward(Box3& box, Vec3d p);
+/// Extends a box to one that contains the ball.
+void extend_outward(Box3& box, Vec3d center, double radius);
 
 }  // namespace coppice
