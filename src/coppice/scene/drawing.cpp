@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coppice/base/id.h"
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/scene/drawn_material.h"
@@ -11,7 +12,6 @@ namespace {
 
 constexpr float kPointSize = 1 / 250.0f;  // [size of the bounding box of the points]
 constexpr int kPathSteps = 200;
-constexpr std::uint32_t kNoMaterial = ~0u;
 
 /// Collects surfaces and balls of all objects relative to the origin of the first one.
 class Gatherer {
@@ -27,12 +27,12 @@ class Gatherer {
         PolygonMesh part;
         part.positions.assign(made.positions.begin(), made.positions.end());
         for (const auto& t : made.triangles) part.add_face(t);
-        add(part, kNoMaterial);
+        add(part, kNoIndex);
     }
     void operator()(const Surface& surface) {
         PolygonMesh part = make_polygons(surface);
         if (!surface.texture.empty()) part.texture = surface.texture;
-        add(part, surface.material ? number_material(*surface.material) : kNoMaterial);
+        add(part, surface.material ? number_material(*surface.material) : kNoIndex);
     }
     void operator()(const Skeleton& s) {
         const Vec3 shift = compute_shift(s.origin());
@@ -153,7 +153,8 @@ void Drawing::load_materials(std::span<const SurfaceMaterial> materials, const S
                              const Context& ctx) {
     double pixels = 0;
     for (const SurfaceMaterial& material : materials) {
-        if (material.bark) call.reserve(kBytesOfDrawnTexel * static_cast<double>(material.bark->size()));
+        if (material.bark)
+            call.reserve(kBytesOfDrawnTexel * (pixels + static_cast<double>(material.bark->size())));
         materials_.push_back(load_render_material(material, ctx));
         pixels += static_cast<double>(materials_.back().color.pixels.size());
         call.reserve(kBytesOfDrawnTexel * pixels);
