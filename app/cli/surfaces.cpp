@@ -12,6 +12,7 @@
 #include "coppice/pipeline/surface_verdict.h"
 #include "figures.h"
 #include "files.h"
+#include "pictures.h"
 
 namespace coppice::cli {
 namespace {
@@ -113,6 +114,30 @@ void tell_device(Run& run, const Surface& surface) {
 void tell_device(Run&, const CylinderMesh&) {}
 
 }  // namespace
+
+void check_texture(const GivenOptions& given, const TextureOptions& texture) {
+    const auto has = [&](std::string_view name) { return is_given(given, name); };
+    const bool is_bark = texture.coordinates == TextureCoordinates::bark;
+    const bool is_atlas = texture.coordinates == TextureCoordinates::atlas;
+    if (has("--material") && is_atlas)
+        throw UsageError(
+            "--material repeats its images over the surface, which an atlas does not; use --uv bark");
+    for (const std::string_view name : {"--material", "--tile", "--tile-height"}) {
+        if (has(name) && !is_bark) throw UsageError(fmt::format("{} requires --uv bark", name));
+    }
+    if (has("--atlas-size") && !is_atlas) throw UsageError("--atlas-size requires --uv atlas");
+}
+
+std::string use_tile_of_image(Run& run, const GivenOptions& given, const std::filesystem::path& image,
+                              TextureOptions& texture) {
+    if (image.empty() || is_given(given, "--tile") || is_given(given, "--tile-height")) return {};
+    const auto size = load_tile_size(image);
+    if (!size) return {};
+    texture.tile = size->width;
+    texture.tile_height = size->height;
+    run.counts()["tile_m"] = {size->width, size->height};
+    return fmt::format("; tiles of {:.3g} x {:.3g} m, as the images state", size->width, size->height);
+}
 
 void tell_device(Run& run, const MeshResult& result) {
     std::visit([&](const auto& surface) { tell_device(run, surface); }, result.surface);

@@ -18,6 +18,14 @@ inline constexpr const char* kMaterialHelp =
     "Give the surface the material of the images PREFIX_color.png and, where they exist, PREFIX_normal.png, "
     "PREFIX_roughness.png and PREFIX_occlusion.png, as made by coppice texture.";
 
+/// Throws UsageError for options of textures that have no effect, and for a material of a surface without
+/// the coordinates that it requires.
+void check_texture(const GivenOptions& given, const TextureOptions& texture);
+/// Uses the extent that an image states for the tile, unless a tile is given; returns a summary, with a
+/// leading semicolon.
+std::string use_tile_of_image(Run& run, const GivenOptions& given, const std::filesystem::path& image,
+                              TextureOptions& texture);
+
 /// Writes the mesh of a surface of any method.
 void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx);

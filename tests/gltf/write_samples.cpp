@@ -41,6 +41,22 @@ std::filesystem::path write_image(const std::filesystem::path& path, Image::Pixe
     return path;
 }
 
+/// Writes a tree with a material that is bent more in each frame.
+void write_moving_bark(const std::filesystem::path& path, const Skeleton& tree,
+                       const MaterialFiles& material) {
+    MeshOptions options;
+    options.texture = {TextureCoordinates::bark, 0.1f};
+    const MeshResult made = mesh_skeleton(tree, options);
+    const QuadMesh& rest = made.quads().mesh;
+    MotionWriter motion(path, rest, 3, 24, {made.texture->points, material});
+    for (const float bend : {0.0f, 0.1f, 0.2f}) {
+        Buffer<Vec3> positions = rest.positions;
+        for (Vec3& p : positions) p.x += bend * p.z * p.z;
+        motion.add(positions);
+    }
+    motion.finish();
+}
+
 /// Writes trees with a material, with overlapping branches that are remeshed.
 void write_bark(const std::filesystem::path& folder) {
     MaterialFiles material{.color = write_image(folder / "color.png", {120, 100, 80, 255}),
@@ -64,6 +80,7 @@ void write_bark(const std::filesystem::path& folder) {
     write("bark_quads.glb", MeshMethod::quads);
     write("bark_tetrahedra.glb", MeshMethod::tetrahedra);
     write("bark_cylinders.glb", MeshMethod::cylinders);
+    write_moving_bark(folder / "bark_motion.glb", tree, material);
     material.normal.clear();
     write("bark_without_normals.glb", MeshMethod::quads);
 }

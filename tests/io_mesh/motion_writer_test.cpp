@@ -73,6 +73,38 @@ TEST_F(MotionWriterTest, WritesSuccessiveMorphTargets) {
     for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(glb.number(sampler["output"], i), i % 4 == 0 ? 1 : 0);
 }
 
+TEST_F(MotionWriterTest, TurnsTangentsWithTheSurface) {
+    const QuadMesh mesh = cube();
+    std::vector<TexturePoint> texture;
+    for (std::size_t f = 0; f < mesh.quads.size(); ++f)
+        texture.insert(texture.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+    const MaterialFiles material{
+        .color = "c.png", .normal = "n.png", .bytes = {{"c.png", "\x89PNG"}, {"n.png", "\x89PNG"}}};
+    const auto path = folder_ / "m.glb";
+    MotionWriter writer(path, mesh, 2, 10, {texture, material});
+    Buffer<Vec3> turned = mesh.positions;  // by 90 degrees about z
+    for (Vec3& p : turned) p = {-p.y, p.x, p.z};
+    writer.add(mesh.positions);
+    writer.add(turned);
+    writer.finish();
+    const Glb glb(read_file(path));
+    const json& primitive = glb.head["meshes"][0]["primitives"][0];
+    const json &at_rest = primitive["attributes"], &target = primitive["targets"][1];
+    EXPECT_TRUE(at_rest.contains("TEXCOORD_0"));
+    const std::size_t count = glb.head["accessors"][at_rest["TANGENT"].get<std::size_t>()]["count"];
+    EXPECT_EQ(count, glb.head["accessors"][target["TANGENT"].get<std::size_t>()]["count"]);
+    for (std::size_t v = 0; v < count; ++v) {
+        // In the file y is up: (x, y, z) of the surface is (x, z, -y), and turns into (-y, z, -x).
+        const auto tangent = [&](std::size_t k) { return glb.number(at_rest["TANGENT"], 4 * v + k); };
+        const auto moved = [&](std::size_t k) {
+            return tangent(k) + glb.number(target["TANGENT"], 3 * v + k);
+        };
+        EXPECT_NEAR(moved(0), tangent(2), 1e-6);
+        EXPECT_NEAR(moved(1), tangent(1), 1e-6);
+        EXPECT_NEAR(moved(2), -tangent(0), 1e-6);
+    }
+}
+
 TEST_F(MotionWriterTest, WritesTimeSamples) {
     QuadMesh mesh = cube();
     mesh.origin = {10, 0, 0};

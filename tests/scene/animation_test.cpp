@@ -27,10 +27,14 @@ class Recorder : public FrameSink {
   public:
     struct Seen {
         std::vector<QuadMesh> frames;
+        std::vector<Buffer<TexturePoint>> textures;
         int finished = 0;
     };
     explicit Recorder(Seen& seen) : seen_(seen) {}
-    void add(const QuadMesh& frame, const Context&) override { seen_.frames.push_back(frame); }
+    void add(const SurfaceFrame& frame, const Context&) override {
+        seen_.frames.push_back(frame.mesh);
+        seen_.textures.emplace_back(frame.texture.begin(), frame.texture.end());
+    }
     void finish(const Context&) override { ++seen_.finished; }
 
   private:
@@ -89,6 +93,32 @@ TEST(Animation, SinksReceiveEveryFrame) {
     EXPECT_EQ(seen.frames[0].quads, series.rest->quads);
     EXPECT_NE(seen.frames[3].positions, seen.frames[0].positions);
     EXPECT_EQ(to_text(report, 4, 1000), "4 frames of 1,000 quads");
+}
+
+TEST(Animation, FramesHaveTheTextureOfTheSurfaceAtRest) {
+    AnimationOptions o = options();
+    o.mesh.texture = {TextureCoordinates::bark, 0.1f};
+    o.material.color = "bark_color.png";
+    const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
+    SkinnedMesh mesh(fork(), o.mesh);
+    const FrameSeries series = make_series(mesh, motion, o);
+    const Buffer<TexturePoint> expected = mesh_skeleton(fork(), o.mesh).texture->points;
+    EXPECT_EQ(Buffer<TexturePoint>(series.texture.begin(), series.texture.end()), expected);
+    EXPECT_EQ(series.material.color, o.material.color);
+    Recorder::Seen seen;
+    make_frames(mesh, motion, recording(seen), {});
+    for (const auto& texture : seen.textures) EXPECT_EQ(texture, expected);
+}
+
+TEST(Animation, GrowingTreesHaveATextureInEveryFrame) {
+    AnimationOptions o = options();
+    o.grow = true;
+    o.run.duration = 0.3f;
+    o.mesh.texture = {TextureCoordinates::bark, 0.1f};
+    Recorder::Seen seen;
+    make_frames(fork(), growth_frames(o.run), o, recording(seen), {});
+    ASSERT_EQ(seen.textures.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(seen.textures[i].size(), 4 * seen.frames[i].quads.size());
 }
 
 TEST(Animation, ReportsFrozenFrames) {

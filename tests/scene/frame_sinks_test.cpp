@@ -3,7 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "coppice/base/error.h"
+#include "coppice/render/picture.h"
+#include "coppice/render/png.h"
+#include "coppice/system/file.h"
 #include "errors.h"
 #include "temporary_folder.h"
 
@@ -27,13 +32,28 @@ class FrameSinksTest : public test::FolderTest {
         FrameSeries series;
         series.count = 2;
         series.rest = rest;
+        series.texture = texture_;
+        series.material = material_;
         series.picture.camera.width = series.picture.camera.height = 16;
         series.picture.samples = 1;
         const auto sink = open_sink(path, series);
-        sink->add(square(0), {});
-        sink->add(square(0.5f), {});
+        sink->add({square(0), texture_}, {});
+        sink->add({square(0.5f), texture_}, {});
         sink->finish({});
     }
+
+    /// Gives the frames a material of one colour.
+    void add_material(Image::Pixel color) {
+        Image image(1, 1);
+        image.pixels[0] = color;
+        write_file(folder_ / "bark_color.png", encode_png(image));
+        texture_ = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        material_.color = folder_ / "bark_color.png";
+    }
+    std::string text(const char* name) const { return read_file(folder_ / name); }
+
+    std::vector<TexturePoint> texture_;
+    MaterialFiles material_;
 };
 
 TEST_F(FrameSinksTest, WriteTheListedFiles) {
@@ -45,6 +65,30 @@ TEST_F(FrameSinksTest, WriteTheListedFiles) {
     }
     write(folder_ / "h.usda", nullptr);
     EXPECT_TRUE(fs::exists(folder_ / "h.usda"));
+}
+
+TEST_F(FrameSinksTest, ShowTheMaterial) {
+    const QuadMesh rest = square(0);
+    write(folder_ / "plain.png", &rest);
+    add_material({0, 255, 0, 255});
+    for (const char* name : {"a.png", "b.gif", "c.ply", "d.obj", "f.glb", "g.usda"})
+        write(folder_ / name, &rest);
+    write(folder_ / "h.usda", nullptr);
+    const auto count_green = [&](const char* name) {
+        const Image image = decode_picture(text(name), name);
+        return std::ranges::count_if(image.pixels, [](Image::Pixel p) { return p[1] > 60 && p[0] < 10; });
+    };
+    EXPECT_EQ(count_green("plain_0001.png"), 0);
+    EXPECT_GT(count_green("a_0001.png"), 10);
+    EXPECT_NE(text("d_0001.mtl").find("map_Kd bark_color.png"), std::string::npos);
+    for (const char* part : {"TEXCOORD_0", "baseColorTexture", "targets"})
+        EXPECT_NE(text("f.glb").find(part), std::string::npos) << part;
+    for (const char* name : {"g.usda", "h.usda"}) {
+        EXPECT_NE(text(name).find("primvars:st"), std::string::npos) << name;
+        EXPECT_NE(text(name).find("bark_color.png@"), std::string::npos) << name;
+    }
+    EXPECT_NE(text("h.usda").find("primvars:st.timeSamples = {\n            0: [(0, 0), (1, 0)"),
+              std::string::npos);
 }
 
 TEST_F(FrameSinksTest, NumberTheFilesOfASeries) {
@@ -72,7 +116,7 @@ TEST_F(FrameSinksTest, UnfinishedFileIsNotCreated) {
     series.count = 2;
     const QuadMesh rest = square(0);
     series.rest = &rest;
-    open_sink(folder_ / "a.glb", series)->add(rest, {});
+    open_sink(folder_ / "a.glb", series)->add({rest, {}}, {});
     EXPECT_TRUE(fs::is_empty(folder_));
 }
 

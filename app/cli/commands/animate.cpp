@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "command.h"
+#include "coppice/io_mesh/format.h"
 #include "coppice/scene/animation/animation.h"
 #include "files.h"
 #include "options.h"
@@ -15,11 +17,16 @@ namespace {
 struct AnimateFlags {
     std::filesystem::path tree;
     std::vector<std::filesystem::path> outputs;
-    std::filesystem::path keys;
+    std::filesystem::path keys, material;
     std::vector<std::filesystem::path> more_keys;  // texts, not files
     AnimationOptions how;
     ReadSkeletonOptions read;
 };
+
+bool has_no_material(const std::filesystem::path& output) {
+    const auto format = mesh_format_of_name(output);
+    return format == MeshFormat::ply || format == MeshFormat::stl;
+}
 
 void check_flags(const AnimateFlags& flags) {
     if (flags.tree.empty() || flags.outputs.empty())
@@ -30,6 +37,8 @@ void check_flags(const AnimateFlags& flags) {
         check_animation(flags.how, has_keys);
     });
     for (const auto& output : flags.outputs) check_output_folder(output);
+    if (!flags.material.empty() && std::ranges::all_of(flags.outputs, has_no_material))
+        throw UsageError("--material requires another output than .ply and .stl, which have no materials");
 }
 
 /// Returns the keys of the file and of the command line; nullopt if there are none.
@@ -88,8 +97,11 @@ ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tre
     return kDone;
 }
 
-ExitCode animate(Run& run, const AnimateFlags& flags) {
+ExitCode animate(Run& run, const GivenOptions& given, AnimateFlags flags) {
     check_flags(flags);
+    check_texture(given, flags.how.mesh.texture);
+    if (!flags.material.empty()) flags.how.material = find_material(flags.material);
+    use_tile_of_image(run, given, flags.how.material.color, flags.how.mesh.texture);
     const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
     return flags.how.grow ? animate_growth(run, flags, file.skeleton)
                           : animate_motion(run, flags, file.skeleton);
@@ -116,11 +128,13 @@ Command animate_command() {
     options.fields(flags->how.growing, "Growth", {.prefix = "grow"});
     options.fields(flags->how.wind, "Wind", {.prefix = "wind"});
     options.fields(flags->how.mesh, "Surface", surface_flag_names(MemberNames{}));
+    options.fields(flags->how.mesh.texture, "Texture", {.common = MemberNames{}});
+    options.file("--material", "PREFIX", flags->material, kMaterialHelp, {.common = false});
     options.fields(flags->how.picture, "Picture",
                    {.common = MemberNames{"width", "height", "azimuth", "elevation"}});
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});
     return {"animate", "Animate a tree by keys, wind or growth.", options,
-            [flags](Run& run, const GivenOptions&) { return animate(run, *flags); }};
+            [flags](Run& run, const GivenOptions& given) { return animate(run, given, *flags); }};
 }
 
 }  // namespace coppice::cli

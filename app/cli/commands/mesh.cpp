@@ -61,11 +61,6 @@ void check_volume(const MeshFlags& flags) {
 }
 
 void check_material(const MeshFlags& flags) {
-    if (flags.mesh.texture.coordinates == TextureCoordinates::none)
-        throw UsageError("--material requires --uv bark");
-    if (flags.mesh.texture.coordinates == TextureCoordinates::atlas)
-        throw UsageError(
-            "--material repeats its images over the surface, which an atlas does not; use --uv bark");
     if (!writes_one_of(flags, {MeshFormat::glb, MeshFormat::obj, MeshFormat::usda}))
         throw UsageError("--material requires a .glb, .obj or .usda output; none of the outputs is one");
 }
@@ -119,15 +114,10 @@ void check_flags(const MeshFlags& flags) {
 void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) {
     const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
-    for (const std::string_view name : {"--tile", "--tile-height"}) {
-        if (has(name) && mesh.texture.coordinates != TextureCoordinates::bark)
-            throw UsageError(fmt::format("{} requires --uv bark", name));
-    }
+    check_texture(given, mesh.texture);
     for (const std::string_view name : {"--displace-height", "--displace-share"}) {
         if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
     }
-    if (has("--atlas-size") && mesh.texture.coordinates != TextureCoordinates::atlas)
-        throw UsageError("--atlas-size requires --uv atlas");
     if (has("--ball-bulge") && !bmesh && mesh.field.kernel != Kernel::balls)
         throw UsageError("--ball-bulge requires --method bmesh");
     if (has("--blend") && bmesh)
@@ -168,20 +158,6 @@ std::string restore(Run& run, const MeshFlags& flags, const PolygonMesh& origina
     if (!flags.offsets.empty()) write_offsets(flags.offsets, result.offsets);
     return fmt::format("; {} restored, {} held back", grouped(result.report.found),
                        grouped(result.report.pulled_back));
-}
-
-/// Uses the extent that the image of the material or of the heights states for the tile, unless a tile is
-/// given; returns a summary.
-std::string use_tile_of_images(Run& run, const GivenOptions& given, const MaterialFiles& material,
-                               MeshFlags& flags) {
-    if (is_given(given, "--tile") || is_given(given, "--tile-height")) return {};
-    if (material.empty() && flags.heights.empty()) return {};
-    const auto size = load_tile_size(material.empty() ? height_file(flags.heights) : material.color);
-    if (!size) return {};
-    flags.mesh.texture.tile = size->width;
-    flags.mesh.texture.tile_height = size->height;
-    run.counts()["tile_m"] = {size->width, size->height};
-    return fmt::format("; tiles of {:.3g} x {:.3g} m, as the images state", size->width, size->height);
 }
 
 /// Moves the surface by heights; returns a summary.
@@ -270,7 +246,9 @@ ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     HeightTexture heights;
     if (!flags.heights.empty()) heights = load_heights(run, flags.heights, flags.displace.displace_height);
-    std::string moved = use_tile_of_images(run, given, write.material, flags);
+    const std::filesystem::path image =
+        write.material.empty() && !flags.heights.empty() ? height_file(flags.heights) : write.material.color;
+    std::string moved = use_tile_of_image(run, given, image, flags.mesh.texture);
     MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
     MeshResult& result = made.result;
     run.add_stages("mesh: ", result.stages);

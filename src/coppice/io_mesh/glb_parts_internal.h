@@ -1,7 +1,9 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "coppice/io_mesh/write_internal.h"
 
@@ -50,6 +52,30 @@ nlohmann::json describe_tree(const MeshView& mesh, nlohmann::json primitive, Glb
 /// Writes everything that precedes the bytes of the buffer. Throws Unsupported if the file would be too
 /// large.
 void write_glb_head(AtomicFile& file, std::string json, std::uint64_t buffer_bytes);
+
+/// The vertices of a GLB file.
+struct GlbVertices {
+    const MeshView& given;
+    std::optional<SplitMesh>& split;       ///< of meshes with texture coordinates
+    const std::vector<Vec3>& normals;      ///< one for every vertex of the file
+    const std::vector<Tangent>& tangents;  ///< the same; empty without a normal map
+    std::size_t count() const { return normals.size(); }
+};
+
+/// Contents of a GLB file in addition to those of a surface: its motion.
+class GlbMotionPart {
+  public:
+    virtual ~GlbMotionPart() = default;
+    /// Lays out all views, and adds morph targets to the primitive.
+    virtual void lay_out(const GlbVertices& vertices, nlohmann::json& primitive, GlbLayout& layout) = 0;
+    /// Adds the animation to the description of the file.
+    virtual void describe(nlohmann::json& file) const = 0;
+    /// Writes the bytes of the views. May move the vertices of the split mesh.
+    virtual void write(AtomicFile& file, const GlbVertices& vertices, const Context& ctx) = 0;
+};
+
+/// Writes a surface, with its motion unless `motion` is null.
+void write_glb(AtomicFile& file, const MeshView& mesh, GlbMotionPart* motion, const Context& ctx);
 
 void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRange part, const Context& ctx);
 void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "coppice/base/progress.h"
 #include "coppice/io_mesh/glb_parts_internal.h"
 
 namespace coppice::io_internal {
@@ -139,23 +140,21 @@ json describe_attributes(const MeshView& mesh, bool has_texture, bool has_tangen
     return out;
 }
 
-// Returns the normals of the vertices of a split mesh.
-std::vector<Vec3> split_normals(const std::vector<Vec3>& normals, const SplitMesh& split) {
-    std::vector<Vec3> out;
-    out.reserve(split.positions.size());
-    for (const std::uint32_t v : split.table.vertex) out.push_back(normals[v]);
-    return out;
-}
-
 }  // namespace
 
-void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
+void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    write_glb(file, mesh, nullptr, ctx);
+}
+
+void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, const Context& whole) {
+    constexpr float kShareOfRest = 0.15f;
+    const Context ctx = narrow_progress(whole, 0, motion != nullptr ? kShareOfRest : 1);
     const bool has_tangents = given.material != nullptr && !given.material->normal.empty();
     std::optional<SplitMesh> split;
     split_mesh(given, has_tangents, split, ctx);
     const MeshView& mesh = split ? split->view : given;
     std::vector<Vec3> normals = smooth_normals(given);
-    if (split) normals = split_normals(normals, *split);
+    if (split) normals = split_vectors(normals, *split);
     const std::vector<Tangent> tangents =
         has_tangents ? compute_tangents(*split, normals, ctx) : std::vector<Tangent>();
     GlbLayout layout;
@@ -163,10 +162,14 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     const std::size_t corners = 3 * mesh.triangle_count();
     const std::size_t indices =
         layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
+    json primitive{{"attributes", attributes}, {"indices", indices}};
+    const GlbVertices vertices{given, split, normals, tangents};
+    if (motion != nullptr) motion->lay_out(vertices, primitive, layout);
     std::optional<GlbMaterial> material;
     if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
-    json text = describe_tree(mesh, {{"attributes", attributes}, {"indices", indices}}, layout);
+    json text = describe_tree(mesh, std::move(primitive), layout);
     if (material) material->describe(text);
+    if (motion != nullptr) motion->describe(text);
     write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
@@ -175,6 +178,7 @@ void write_glb(AtomicFile& file, const MeshView& given, const Context& ctx) {
     for (const VertexAttribute& a : mesh.attributes)
         write_attribute(file, a, split, mesh.positions.size(), ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);
+    if (motion != nullptr) motion->write(file, vertices, narrow_progress(whole, kShareOfRest, 1));
     if (material) material->write(file);
 }
 

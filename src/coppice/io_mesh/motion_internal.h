@@ -16,10 +16,8 @@ class MotionWriter::Format {
 
 namespace io_internal {
 
-std::unique_ptr<MotionWriter::Format> glb_motion(const std::filesystem::path& path, const QuadMesh& rest,
-                                                 std::size_t frames, double rate);
-std::unique_ptr<MotionWriter::Format> usda_motion(const std::filesystem::path& path, const QuadMesh& rest,
-                                                  std::size_t frames, double rate);
+std::unique_ptr<MotionWriter::Format> glb_motion(const MeshView& rest, std::size_t frames, double rate);
+std::unique_ptr<MotionWriter::Format> usda_motion(const MeshView& rest, std::size_t frames, double rate);
 
 }  // namespace io_internal
 }  // namespace coppice

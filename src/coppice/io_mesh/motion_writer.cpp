@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "coppice/base/error.h"
 #include "coppice/io_mesh/format.h"
@@ -11,13 +12,18 @@
 namespace coppice {
 
 MotionWriter::MotionWriter(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames,
-                           double rate)
-    : path_(path), rest_(rest), missing_(frames) {
+                           double rate, MotionTexture texture)
+    : path_(path), rest_(rest), texture_(std::move(texture)), missing_(frames) {
+    COPPICE_ASSERT(texture_.points.empty() || texture_.points.size() == 4 * rest.quads.size());
+    io_internal::MeshView view(rest);
+    view.path = path;
+    view.texture = texture_.points;
+    if (!view.texture.empty() && !texture_.material.empty()) view.material = &texture_.material;
     const auto format = mesh_format_of_name(path);
     if (format == MeshFormat::glb) {
-        format_ = io_internal::glb_motion(path, rest, frames, rate);
+        format_ = io_internal::glb_motion(view, frames, rate);
     } else if (format == MeshFormat::usda) {
-        format_ = io_internal::usda_motion(path, rest, frames, rate);
+        format_ = io_internal::usda_motion(view, frames, rate);
     } else {
         throw Unsupported(fmt::format(
             "cannot write {}: an animated mesh must have the extension .glb or .usda", path.string()));

@@ -31,4 +31,11 @@ SplitMesh::SplitMesh(const MeshView& mesh) : table(texture_table(mesh)), view(me
     view.corners = table.of_corner.data();
 }
 
+std::vector<Vec3> split_vectors(std::span<const Vec3> vectors, const SplitMesh& split) {
+    std::vector<Vec3> out;
+    out.reserve(split.positions.size());
+    for (const std::uint32_t v : split.table.vertex) out.push_back(vectors[v]);
+    return out;
+}
+
 }  // namespace coppice::io_internal

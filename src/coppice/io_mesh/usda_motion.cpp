@@ -31,6 +31,11 @@ void put_corners(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     });
 }
 
+void put_texture(AtomicFile& file, std::span<const TexturePoint> texture, const Context& ctx) {
+    write_list(file, texture.size(), {0, 1}, ctx,
+               [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, texture[i]); });
+}
+
 /// Writes `name`.timeSamples = { 0: ..., 1: ... }
 template <class Put>
 void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, const Put& put) {
@@ -45,8 +50,8 @@ void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, 
 
 class UsdaMotion : public MotionWriter::Format {
   public:
-    UsdaMotion(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate)
-        : file_(path), rest_(rest), frames_(frames), rate_(rate) {}
+    UsdaMotion(const MeshView& rest, std::size_t frames, double rate)
+        : file_(rest.path), rest_(rest), frames_(frames), rate_(rate) {}
 
     void add(std::span<const Vec3> positions, const Context& ctx) override {
         if (extents_.empty()) write_faces(ctx);
@@ -59,23 +64,24 @@ class UsdaMotion : public MotionWriter::Format {
         file_.write("        }\n");
         write_samples(file_, "float3[] extent", extents_.size(),
                       [&](std::size_t i) { file_.write(extents_[i]); });
-        write_tail(file_, Subdivision::none);
+        write_tail(file_, rest_, Subdivision::none);
         file_.commit();
     }
 
   private:
     void write_faces(const Context& ctx) {
-        const MeshView mesh(rest_);
-        write_head(file_, mesh, time_lines(frames_, rate_));
+        write_head(file_, rest_, time_lines(frames_, rate_));
         file_.write("        int[] faceVertexCounts = ");
-        put_face_sizes(file_, mesh, ctx);
+        put_face_sizes(file_, rest_, ctx);
         file_.write("\n        int[] faceVertexIndices = ");
-        put_corners(file_, mesh, ctx);
-        file_.write("\n        point3f[] points.timeSamples = {\n");
+        put_corners(file_, rest_, ctx);
+        file_.write("\n");
+        write_texture(file_, rest_, ctx);
+        file_.write("        point3f[] points.timeSamples = {\n");
     }
 
     AtomicFile file_;
-    const QuadMesh& rest_;
+    MeshView rest_;
     std::size_t frames_;
     double rate_;
     std::vector<std::string> extents_;
@@ -83,20 +89,24 @@ class UsdaMotion : public MotionWriter::Format {
 
 }  // namespace
 
-std::unique_ptr<MotionWriter::Format> usda_motion(const std::filesystem::path& path, const QuadMesh& rest,
-                                                  std::size_t frames, double rate) {
-    return std::make_unique<UsdaMotion>(path, rest, frames, rate);
+std::unique_ptr<MotionWriter::Format> usda_motion(const MeshView& rest, std::size_t frames, double rate) {
+    return std::make_unique<UsdaMotion>(rest, frames, rate);
 }
 
 }  // namespace io_internal
 
 void write_changing_mesh(const std::filesystem::path& path, std::span<const QuadMesh> frames, double rate,
+                         std::span<const Buffer<TexturePoint>> textures, const MaterialFiles& material,
                          const Context& ctx) {
     using namespace io_internal;
     if (frames.empty())
         throw InvalidInput(fmt::format("cannot write {}: there are no frames", path.string()));
+    COPPICE_ASSERT(textures.empty() || textures.size() == frames.size());
+    MeshView first(frames.front());
+    first.path = path;
+    if (!textures.empty() && !material.empty()) first.material = &material;
     AtomicFile file(path);
-    write_head(file, MeshView(frames.front()), time_lines(frames.size(), rate));
+    write_head(file, first, time_lines(frames.size(), rate));
     write_samples(file, "int[] faceVertexCounts", frames.size(),
                   [&](std::size_t i) { put_face_sizes(file, MeshView(frames[i]), ctx); });
     write_samples(file, "int[] faceVertexIndices", frames.size(),
@@ -105,7 +115,13 @@ void write_changing_mesh(const std::filesystem::path& path, std::span<const Quad
                   [&](std::size_t i) { put_points(file, frames[i].positions, ctx); });
     write_samples(file, "float3[] extent", frames.size(),
                   [&](std::size_t i) { file.write(extent_text(frames[i].positions)); });
-    write_tail(file, Subdivision::none);
+    if (!textures.empty()) {
+        file.write(
+            "        texCoord2f[] primvars:st (\n            interpolation = \"faceVarying\"\n        )\n");
+        write_samples(file, "texCoord2f[] primvars:st", frames.size(),
+                      [&](std::size_t i) { put_texture(file, textures[i], ctx); });
+    }
+    write_tail(file, first, Subdivision::none);
     file.commit();
 }
 

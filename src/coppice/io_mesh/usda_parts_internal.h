@@ -35,8 +35,13 @@ void put_tuple(Chunk& chunk, Vec3 v);
 /// metadata.
 void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more = {});
 
-/// Writes everything that follows the attributes of the mesh; `material` is its definition, or empty.
-void write_tail(AtomicFile& file, Subdivision subdivision, const std::string& material = {});
+void put_tuple(Chunk& chunk, TexturePoint p);
+
+/// Writes the texture coordinates, if there are any.
+void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx);
+
+/// Writes everything that follows the attributes of the mesh, with its material.
+void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision);
 
 /// Returns the minimum and the maximum corner of the bounding box.
 std::string extent_text(std::span<const Vec3> positions);

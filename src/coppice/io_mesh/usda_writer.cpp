@@ -4,7 +4,6 @@
 #include "coppice/io_mesh/usda_parts_internal.h"
 
 namespace coppice::io_internal {
-namespace {
 
 void put_tuple(Chunk& chunk, TexturePoint p) {
     chunk.reserve(4 + 2 * Chunk::kNumber);
@@ -14,8 +13,6 @@ void put_tuple(Chunk& chunk, TexturePoint p) {
     chunk.put_number(p.v);
     chunk.put(')');
 }
-
-}  // namespace
 
 void put_tuple(Chunk& chunk, Vec3 v) {
     chunk.reserve(8 + 3 * Chunk::kNumber);
@@ -47,7 +44,19 @@ std::string extent_text(std::span<const Vec3> positions) {
                        box.high.y, box.high.z);
 }
 
-void write_tail(AtomicFile& file, Subdivision subdivision, const std::string& material) {
+void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
+    if (mesh.texture.empty()) return;
+    write_array(file, "texCoord2f[] primvars:st", mesh.texture.size(), {1, 1}, ctx,
+                [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
+    file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
+}
+
+void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision) {
+    std::string material;
+    if (mesh.material != nullptr) {
+        file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.material->name));
+        material = usda_material(mesh.path, *mesh.material);
+    }
     file.write("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n");
     file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n{}}}\n",
                            subdivision == Subdivision::none ? "none" : "catmullClark", material));
@@ -78,11 +87,7 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
                     [&](std::size_t v, Chunk& chunk) { put_tuple(chunk, normals[v]); });
         file.write(" (\n            interpolation = \"vertex\"\n        )\n");
     }
-    if (!mesh.texture.empty()) {
-        write_array(file, "texCoord2f[] primvars:st", mesh.texture.size(), {1, 1}, ctx,
-                    [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
-        file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
-    }
+    write_texture(file, mesh, ctx);
     for (const VertexAttribute& a : mesh.attributes) {
         write_array(file, fmt::format("float[] primvars:{}", a.name), a.values.size(), {1, 1}, ctx,
                     [&](std::size_t v, Chunk& chunk) {
@@ -91,10 +96,7 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
                     });
         file.write(" (\n            interpolation = \"vertex\"\n        )\n");
     }
-    if (mesh.material != nullptr)
-        file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.material->name));
-    write_tail(file, subdivision,
-               mesh.material != nullptr ? usda_material(mesh.path, *mesh.material) : std::string());
+    write_tail(file, mesh, subdivision);
 }
 
 }  // namespace coppice::io_internal

@@ -99,6 +99,9 @@ struct SplitMesh {
     MeshView view;  ///< refers to the members above
 };
 
+/// Returns the vectors of the vertices of a split mesh from those of the original ones.
+std::vector<Vec3> split_vectors(std::span<const Vec3> vectors, const SplitMesh& split);
+
 /// Calls emit(a, b, c) for each triangle of face f: along the shorter diagonal of quads, otherwise as a fan.
 template <class Emit>
 void for_each_triangle(const MeshView& mesh, std::size_t f, const Emit& emit) {

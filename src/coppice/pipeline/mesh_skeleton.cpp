@@ -253,7 +253,11 @@ BuiltMesh make_surface(const Skeleton& given_skeleton, const PointSet& constrain
         });
     }
     built.prepared = std::move(prepared.skeleton);
-    if (use != Use::posed) add_data(built, options, ctx);
+    if (use == Use::posed) {
+        add_texture(built, options, ctx);
+    } else {
+        add_data(built, options, ctx);
+    }
     return built;
 }
 

@@ -41,8 +41,14 @@ FrameSeries series_with(const AnimationOptions& options, std::size_t count, doub
     series.count = count;
     series.rate = rate;
     series.gif_colors = options.run.gif_colors;
+    series.material = options.material;
     series.picture = options.picture;
     return series;
+}
+
+std::span<const TexturePoint> find_texture(const MeshResult& surface) {
+    if (!surface.texture) return {};
+    return surface.texture->points;
 }
 
 void note(MotionReport& report, std::size_t frame, double time, const ValidFrame& made) {
@@ -106,6 +112,7 @@ FrameSeries make_series(const SkinnedMesh& mesh, const Motion& motion, const Ani
     constexpr std::size_t kMaxPoses = 32;
     FrameSeries series = series_with(options, motion.frames(), motion.rate());
     series.rest = &mesh.made().quads().mesh;
+    series.texture = find_texture(mesh.made());
     // The camera shows the surface at rest and the nodes in a sample of the poses.
     frame_surface(*series.rest, series.framed);
     for (std::size_t i = 0; i < motion.frames(); i += 1 + motion.frames() / kMaxPoses) {
@@ -135,7 +142,7 @@ MotionReport make_frames(SkinnedMesh& mesh, const Motion& motion, const FrameSin
         report.carrying += std::chrono::duration<double>(Clock::now() - start).count();
         note(report, i, motion.time(i), frame);
         shown.positions = std::move(frame.positions);
-        for (const auto& sink : sinks) sink->add(shown, each);
+        for (const auto& sink : sinks) sink->add({shown, find_texture(mesh.made())}, each);
         report_frame(ctx, i, motion.frames());
     }
     for (const auto& sink : sinks) sink->finish(each);
@@ -152,7 +159,7 @@ std::uint64_t make_frames(const Skeleton& tree, const GrowthFrames& frames, cons
         const double part = static_cast<double>(i + 1) / static_cast<double>(frames.frames);
         const MeshResult now = mesh_skeleton(growing.at(part), options.mesh, each);
         crossings += now.quads().repair.pairs_after;
-        for (const auto& sink : sinks) sink->add(now.quads().mesh, each);
+        for (const auto& sink : sinks) sink->add({now.quads().mesh, find_texture(now)}, each);
         report_frame(ctx, i, frames.frames);
     }
     for (const auto& sink : sinks) sink->finish(each);

@@ -24,6 +24,7 @@ struct AnimationOptions {
     GrowingOptions growing;  ///< used with `grow`
     WindOptions wind;        ///< used if the speed is positive
     MeshOptions mesh;        ///< options of the surface
+    MaterialFiles material;  ///< of surfaces with texture coordinates; may be empty
     RenderOptions picture;   ///< options of rendered frames
 };
 

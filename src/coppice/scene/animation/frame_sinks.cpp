@@ -10,6 +10,7 @@
 #include "coppice/render/gif.h"
 #include "coppice/render/png.h"
 #include "coppice/scene/animation/film_internal.h"
+#include "coppice/scene/drawn_material.h"
 #include "coppice/system/file.h"
 
 namespace coppice {
@@ -41,46 +42,66 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t fr
            fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string());
 }
 
-Image drawn(const QuadMesh& frame, const FrameSeries& series, const Context& ctx) {
-    const PolygonMesh mesh = to_polygons(frame);
-    return render({.mesh = &mesh, .framed = series.framed}, series.picture, ctx);
-}
+/// Draws frames with their material.
+class Painter {
+  public:
+    explicit Painter(const FrameSeries& series) : series_(series) {
+        if (!series.material.empty()) material_ = load_render_material(series.material);
+    }
+
+    Image draw(const SurfaceFrame& frame, const Context& ctx) const {
+        PolygonMesh mesh = to_polygons(frame.mesh);
+        mesh.texture.assign(frame.texture.begin(), frame.texture.end());
+        const bool is_plain = !material_ || mesh.texture.empty();
+        return render({.mesh = &mesh, .material = is_plain ? nullptr : &*material_, .framed = series_.framed},
+                      series_.picture, ctx);
+    }
+    const FrameSeries& series() const { return series_; }
+
+  private:
+    FrameSeries series_;
+    std::optional<RenderMaterial> material_;
+};
 
 class MeshFiles : public FrameSink {
   public:
-    explicit MeshFiles(std::filesystem::path path) : path_(std::move(path)) {}
-    void add(const QuadMesh& frame, const Context& ctx) override {
-        write_mesh(numbered(path_, next_++), frame, {}, ctx);
+    MeshFiles(std::filesystem::path path, const MaterialFiles& material)
+        : path_(std::move(path)), material_(material) {}
+    void add(const SurfaceFrame& frame, const Context& ctx) override {
+        MeshWriteOptions options{.texture = frame.texture};
+        if (!frame.texture.empty()) options.material = material_;
+        write_mesh(numbered(path_, next_++), frame.mesh, options, ctx);
     }
     void finish(const Context&) override {}
 
   private:
     std::filesystem::path path_;
+    MaterialFiles material_;
     std::size_t next_ = 0;
 };
 
 class PictureFiles : public FrameSink {
   public:
     PictureFiles(std::filesystem::path path, const FrameSeries& series)
-        : path_(std::move(path)), series_(series) {}
-    void add(const QuadMesh& frame, const Context& ctx) override {
-        write_file(numbered(path_, next_++), encode_png(drawn(frame, series_, ctx)));
+        : path_(std::move(path)), painter_(series) {}
+    void add(const SurfaceFrame& frame, const Context& ctx) override {
+        write_file(numbered(path_, next_++), encode_png(painter_.draw(frame, ctx)));
     }
     void finish(const Context&) override {}
 
   private:
     std::filesystem::path path_;
-    FrameSeries series_;
+    Painter painter_;
     std::size_t next_ = 0;
 };
 
 class GifFile : public FrameSink {
   public:
-    GifFile(const std::filesystem::path& path, const FrameSeries& series) : file_(path), series_(series) {}
-    void add(const QuadMesh& frame, const Context& ctx) override {
-        const Image picture = drawn(frame, series_, ctx);
+    GifFile(const std::filesystem::path& path, const FrameSeries& series) : file_(path), painter_(series) {}
+    void add(const SurfaceFrame& frame, const Context& ctx) override {
+        const Image picture = painter_.draw(frame, ctx);
         if (!encoder_) {
-            encoder_.emplace(picture, 1 / series_.rate, series_.gif_colors);
+            encoder_.emplace(picture, 1 / painter_.series().rate, painter_.series().gif_colors);
             file_.write(encoder_->head());
         }
         file_.write(encoder_->add(picture));
@@ -92,27 +113,29 @@ class GifFile : public FrameSink {
 
   private:
     AtomicFile file_;
-    FrameSeries series_;
+    Painter painter_;
     std::optional<GifEncoder> encoder_;
 };
 
 class FilmFile : public FrameSink {
   public:
     FilmFile(const std::filesystem::path& path, const FrameSeries& series)
-        : film_(path, series.rate), series_(series) {}
-    void add(const QuadMesh& frame, const Context& ctx) override { film_.add(drawn(frame, series_, ctx)); }
+        : film_(path, series.rate), painter_(series) {}
+    void add(const SurfaceFrame& frame, const Context& ctx) override { film_.add(painter_.draw(frame, ctx)); }
     void finish(const Context&) override { film_.finish(); }
 
   private:
     Film film_;
-    FrameSeries series_;
+    Painter painter_;
 };
 
 class MovingMeshFile : public FrameSink {
   public:
     MovingMeshFile(const std::filesystem::path& path, const FrameSeries& series)
-        : writer_(path, *series.rest, series.count, series.rate) {}
-    void add(const QuadMesh& frame, const Context& ctx) override { writer_.add(frame.positions, ctx); }
+        : writer_(path, *series.rest, series.count, series.rate, {series.texture, series.material}) {}
+    void add(const SurfaceFrame& frame, const Context& ctx) override {
+        writer_.add(frame.mesh.positions, ctx);
+    }
     void finish(const Context& ctx) override { writer_.finish(ctx); }
 
   private:
@@ -122,14 +145,21 @@ class MovingMeshFile : public FrameSink {
 class ChangingMeshFile : public FrameSink {
   public:
     ChangingMeshFile(std::filesystem::path path, const FrameSeries& series)
-        : path_(std::move(path)), rate_(series.rate) {}
-    void add(const QuadMesh& frame, const Context&) override { frames_.push_back(frame); }
-    void finish(const Context& ctx) override { write_changing_mesh(path_, frames_, rate_, ctx); }
+        : path_(std::move(path)), material_(series.material), rate_(series.rate) {}
+    void add(const SurfaceFrame& frame, const Context&) override {
+        frames_.push_back(frame.mesh);
+        if (!frame.texture.empty()) textures_.emplace_back(frame.texture.begin(), frame.texture.end());
+    }
+    void finish(const Context& ctx) override {
+        write_changing_mesh(path_, frames_, rate_, textures_, material_, ctx);
+    }
 
   private:
     std::filesystem::path path_;
+    MaterialFiles material_;
     double rate_;
     std::vector<QuadMesh> frames_;
+    std::vector<Buffer<TexturePoint>> textures_;
 };
 
 }  // namespace
@@ -161,7 +191,7 @@ std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const Fr
         case FrameForm::film:
             return std::make_unique<FilmFile>(path, series);
         case FrameForm::meshes:
-            return std::make_unique<MeshFiles>(path);
+            return std::make_unique<MeshFiles>(path, series.material);
         case FrameForm::moving_mesh:
             break;
     }

@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "coppice/base/context.h"
+#include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/render/render.h"
 
@@ -16,16 +18,25 @@ struct FrameSeries {
     double rate = 24;       ///< [1/s] frame rate
     /// surface with the faces of all frames; null if each frame has its own faces
     const QuadMesh* rest = nullptr;
-    int gif_colors = 255;       ///< maximum number of colours of a GIF
-    RenderOptions picture;      ///< render options
-    std::vector<Vec3d> framed;  ///< [m] points that all images show
+    std::span<const TexturePoint> texture;  ///< of its corners; may be empty
+    MaterialFiles material;                 ///< of frames with texture coordinates; may be empty
+    int gif_colors = 255;                   ///< maximum number of colours of a GIF
+    RenderOptions picture;                  ///< render options
+    std::vector<Vec3d> framed;              ///< [m] points that all images show
+};
+
+/// The surface of a frame; refers to values of its maker.
+struct SurfaceFrame {
+    const QuadMesh& mesh;
+    std::span<const TexturePoint> texture;  ///< one per corner of the faces; may be empty
 };
 
 /// A consumer of frames, in order. Without finish(), a sink that writes one file leaves none.
 class FrameSink {
   public:
     virtual ~FrameSink() = default;
-    virtual void add(const QuadMesh& frame, const Context& ctx) = 0;  ///< adds the next frame; throws IoError
+    virtual void add(const SurfaceFrame& frame,
+                     const Context& ctx) = 0;  ///< adds the next frame; throws IoError
     virtual void finish(
         const Context& ctx) = 0;  ///< completes the output after the last frame; throws IoError
 };
@@ -41,7 +52,8 @@ std::vector<std::filesystem::path> frame_files(const std::filesystem::path& path
 
 /// Creates the sink for a file name. .png, .ply, .obj and .stl: a file per frame, NAME_0000.png and so on;
 /// .gif: an animated image; .mp4, .mov, .mkv and .webm: a video encoded by ffmpeg; .glb and .usda: an
-/// animated mesh. `rest` of the series must outlive the sink. Throws IoError.
+/// animated mesh. All but .ply and .stl show the material. `rest` and `texture` of the series must outlive
+/// the sink. Throws IoError.
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series);
 
 /// Returns the maximum memory [bytes] of such a sink in addition to the frame passed to it.
