@@ -97,6 +97,22 @@ def neighbours(apart):
     return s
 
 
+def laterals():
+    """A trunk of 15 sections with 12 thin laterals, each rotated by the golden angle relative to the previous one."""
+    s = Swc()
+    at = s.add((0, 0, 0), 0.2)
+    for k in range(1, 16):
+        z, turn = 0.3 * k, 2.39996 * k
+        trunk = at = s.add((0, 0, z), 0.2 - 0.008 * k, at)
+        if k < 3 or k > 14:
+            continue
+        out = (0.25 * math.cos(turn), 0.25 * math.sin(turn), 0.1)
+        for i in range(1, 5):
+            at = s.add(added((0, 0, z), scaled(out, i)), 0.05 - 0.0075 * i, at)
+        at = trunk
+    return s
+
+
 def pasted(height, turn, radius):
     """One lateral on a trunk: see PASTED."""
     s = Swc()
@@ -161,7 +177,7 @@ def trees():
 
 def write_all(folder):
     """Writes all skeletons of the figures, by name."""
-    made = {"fork": fork(), "neighbours": neighbours(0.2), "close_neighbours": neighbours(0.16)}
+    made = {"fork": fork(), "laterals": laterals(), "neighbours": neighbours(0.2), "close_neighbours": neighbours(0.16)}
     made.update({f"pasted_{place}": pasted(*lateral) for place, lateral in PASTED.items()})
     made.update({f"furcation_{n}": furcation(n) for n in range(4, 8)})
     made.update({name.replace(" ", "_"): skeleton for name, _, skeleton in trees()})
