@@ -292,6 +292,15 @@ TEST(RemovedRows, IntersectingTreesAreGraftedBentApartOrMerged) {
     EXPECT_EQ(topology(mesh_skeleton(bars, with(Overlaps::keep)).quads().mesh).components, 2u);
 }
 
+TEST(RemovedRows, TipsOfRemeshedBranchesEndOneRadiusBeyondTheirNodes) {
+    const Skeleton hard = random_tree(300, 5, true);
+    const QuadSurface made = mesh_skeleton(hard).quads();
+    EXPECT_GT(made.repair.tube_rows, 400u);
+    const SurfaceReport report = check_surface(to_polygons(made.mesh), &hard);
+    EXPECT_NEAR(report.axes->tip_reach.p50, 1, 0.002);
+    EXPECT_LT(20 * report.axes->short_tips, report.axes->tips);
+}
+
 TEST(RemovedRows, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton hard = random_tree(300, 5, true);
     const QuadMesh one = mesh_skeleton(hard, {}, {.threads = 1}).quads().mesh;

@@ -41,8 +41,10 @@ CompressedRows<std::uint32_t> neighbours(std::span<const Quad> quads, std::span<
     });
 }
 
-// Moves vertices of one region, at most a batch.
-void return_to_level(std::span<Vec3> points, std::span<const PatchVertex> vertices, FieldRef field) {
+}  // namespace
+
+void move_to_level(std::span<Vec3> points, std::span<const PatchVertex> vertices, FieldRef field) {
+    COPPICE_ASSERT(points.size() <= kBatch);
     std::array<FieldSample, kBatch> samples;
     for (int step = 0; step < kSteps; ++step) {
         const auto here = std::span(samples).first(points.size());
@@ -51,8 +53,6 @@ void return_to_level(std::span<Vec3> points, std::span<const PatchVertex> vertic
             points[i] += towards_level(here[i], field.level(), kLongestStep * vertices[i].radius);
     }
 }
-
-}  // namespace
 
 void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::span<const PatchVertex> moving,
                   FieldRef field, int passes, const Context& ctx) {
@@ -70,7 +70,7 @@ void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::s
             for (std::size_t i = range.begin; i < range.end;) {
                 std::size_t end = i + 1;
                 while (end < range.end && moving[end].region == moving[i].region) ++end;
-                return_to_level(std::span(moved).subspan(i, end - i), moving.subspan(i, end - i), field);
+                move_to_level(std::span(moved).subspan(i, end - i), moving.subspan(i, end - i), field);
                 i = end;
             }
         });

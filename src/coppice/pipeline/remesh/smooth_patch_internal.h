@@ -16,6 +16,11 @@ struct PatchVertex {
     float radius;          ///< [m] of the branch at the vertex: limits the length of steps
 };
 
+/// Moves points onto value = level along the gradient of the field, at most half of a radius, all of one
+/// region; `vertices` has the radius for each point. Points too far from the level do not reach it. At most
+/// 64 points.
+void move_to_level(std::span<Vec3> points, std::span<const PatchVertex> vertices, FieldRef field);
+
 /// Smooths a patch of quads on a field's surface: in every pass each vertex moves a share of the distance to
 /// the mean of its neighbours along edges, and then back onto value = level along the gradient, all
 /// simultaneously. `quads` are those of the patch; its other vertices do not move. Fastest if vertices of one

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kSmoothingPasses = 6;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();  // not equal to any value
+constexpr float kMaxTipError = 0.2f;  // [radii] distance of the surface from the end of a tip
 constexpr float kBoxMargin = 0.3f;  // [radii] maximum distance of moved vertices from the box of their region
 
 std::vector<EdgeMiddle> ring_middles(std::span<const CutRing> cut_rings) {
@@ -77,11 +78,39 @@ std::vector<Box3> region_boxes(const Skeleton& s, std::span<const PatchVertex> m
     return boxes;
 }
 
+// Moves the vertex closest to the end of each round tip onto it, and removes it from those that may move.
+// Ends inside of other branches have no such vertex.
+void pin_tips(std::vector<PatchVertex>& moving, const Skeleton& s, std::span<Vec3> positions,
+              FieldRef field) {
+    std::vector<std::uint32_t> pinned;
+    for (std::size_t first = 0, end = 0; first < moving.size(); first = end) {
+        while (end < moving.size() && moving[end].region == moving[first].region) ++end;
+        const NodeId n(moving[first].region);
+        if (s.is_root(n) || !s.is_tip(n)) continue;
+        const Segment segment = s.segment(n);
+        const Vec3 tip = segment.b + normalized(segment.b - segment.a) * segment.radius_b;
+        const auto distance_to_tip = [&](const PatchVertex& m) { return distance(positions[m.vertex], tip); };
+        const PatchVertex closest =
+            *std::ranges::min_element(moving.begin() + static_cast<std::ptrdiff_t>(first),
+                                      moving.begin() + static_cast<std::ptrdiff_t>(end), {}, distance_to_tip);
+        Vec3 target = tip;
+        move_to_level({&target, 1}, {&closest, 1}, field);
+        const bool is_outside = distance(target, tip) < kMaxTipError * segment.radius_b;
+        if (!is_outside || distance_to_tip(closest) > segment.radius_b) continue;
+        positions[closest.vertex] = target;
+        pinned.push_back(closest.vertex);
+    }
+    std::ranges::sort(pinned);
+    std::erase_if(moving, [&](const PatchVertex& m) { return std::ranges::binary_search(pinned, m.vertex); });
+}
+
 void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& options, const Context& ctx) {
-    const std::vector<PatchVertex> moving = moving_vertices(surface, made);
+    std::vector<PatchVertex> moving = moving_vertices(surface, made);
     if (moving.empty()) return;
     ConvolutionField field(surface.patch_skeleton.skeleton, surface_field_options(options), ctx);
     field.set_regions(region_boxes(surface.patch_skeleton.skeleton, moving, made.positions), ctx);
+    if (options.control.tips == TipShape::round)
+        pin_tips(moving, surface.patch_skeleton.skeleton, made.positions, FieldRef(field));
     smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
 }
 
