@@ -28,9 +28,12 @@ constexpr int kMaxLevels = 5;
 constexpr double kMinDensity = 0.1, kMaxDensity = 16;
 // [radii] maximum displacement of the surface by a lower density of rings.
 constexpr float kMaxTolerance = 0.2f;
-// Relative errors of the number of faces: accepted as exact, and rejected.
+// Errors of the number of faces, as compute_error() returns them: accepted as exact, and rejected.
 constexpr double kNear = 0.01, kFar = 0.05;
 constexpr int kSteps = 12;
+
+// Returns the relative error of a number of faces; half as many and twice as many are equally wrong.
+double compute_error(double faces, double wanted) { return std::abs(std::log(faces / wanted)); }
 
 // The axes of a skeleton (chains of leaders), sorted by the silhouette of each with everything that it
 // carries.
@@ -203,7 +206,7 @@ struct Rings {
 // Returns the density of rings at which the cage has approximately this number of faces.
 Rings density_for(double wanted, CageFaces& cage) {
     Rings best;
-    const auto off = [&](const Rings& r) { return std::abs(r.faces / wanted - 1); };
+    const auto off = [&](const Rings& r) { return compute_error(r.faces, wanted); };
     const auto has_more = [&](double density) {
         const Rings r{0, density, cage.at(density)};
         if (best.faces == 0 || off(r) < off(best)) best = r;
@@ -254,7 +257,7 @@ class RingPlanner {
   private:
     // Requested number of faces of the cage.
     double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
-    double off(const Rings& r) const { return std::abs(r.faces / wanted(r.levels) - 1); }
+    double off(const Rings& r) const { return compute_error(r.faces, wanted(r.levels)); }
     CageFaces with(std::uint32_t laterals) const { return {axes_.with(laterals), given_, ctx_}; }
 
     // Returns the maximum number of laterals that, at the lowest density of rings, do not exceed the
@@ -326,7 +329,7 @@ class BudgetSearch {
         return static_cast<double>(m.result.quads().mesh.quads.size());
     }
     double wanted() const { return static_cast<double>(faces_); }
-    double off(const BudgetedMesh& m) const { return std::abs(count(m) / wanted() - 1); }
+    double off(const BudgetedMesh& m) const { return compute_error(count(m), wanted()); }
 
     template <class Plan>
     auto planned(const Plan& plan) {
@@ -398,7 +401,7 @@ class BudgetSearch {
         double at = first, before = 0;
         for (int i = 0; i < kTries; ++i) {
             const double made = make(planned([&] { return plan(at); }));
-            if (std::abs(made / wanted() - 1) < kClose) return Found::enough;
+            if (compute_error(made, wanted()) < kClose) return Found::enough;
             (made < wanted() ? low : high) = {at, made};
             if (made == before || (made > wanted() && at <= least)) break;
             before = made;
@@ -442,7 +445,7 @@ FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::u
     check_budget(given, faces);
     const MeshOptions options = options_of_plan(given);
     const auto goal = static_cast<double>(faces);
-    const auto off = [&](const FaceBudget& b) { return std::abs(static_cast<double>(b.faces) / goal - 1); };
+    const auto off = [&](const FaceBudget& b) { return compute_error(static_cast<double>(b.faces), goal); };
     std::optional<FaceBudget> sides;
     if (options.tube_sides == TubeSides::by_radius) sides = RadiusPlanner(skeleton, options, ctx).plan(goal);
     if (sides && off(*sides) <= kFar) return std::move(*sides);
@@ -465,7 +468,7 @@ std::string to_text(const FaceBudget& budget) {
 
 std::string text_of_missed_faces(const BudgetedMesh& made, std::uint64_t faces) {
     const std::size_t has = made.result.quads().mesh.quads.size();
-    if (std::abs(static_cast<double>(has) / static_cast<double>(faces) - 1) <= kFar) return {};
+    if (compute_error(static_cast<double>(has), static_cast<double>(faces)) <= kFar) return {};
     return fmt::format(
         "the surface has {} faces instead of {}: no choice of levels, rings and branches comes closer",
         grouped(has), grouped(faces));
