@@ -1,4 +1,5 @@
 #include "coppice/pipeline/surface_verdict.h"
+#include "coppice/measure/surface_report.h"
 #include "coppice/pipeline/mesh_skeleton.h"
 
 #include <gtest/gtest.h>
@@ -52,6 +53,17 @@ TEST(JudgeSurface, UsesTheFittedVolume) {
     const auto verdict = judge_surface(fitted, fork(), {});
     EXPECT_EQ(verdict->volume->mesh, fitted.fitted->after);
     EXPECT_TRUE(verdict->is_good());
+}
+
+TEST(JudgeSurface, CountsCrossingsOfSurfacesThatAreNotRemeshed) {
+    const Skeleton bars({kRoot, NodeId(0), kRoot, NodeId(2)},
+                        {{-3, 0, 0}, {3, 0, 0}, {0, -3, 0.1f}, {0, 3, 0.1f}}, {0.5f, 0.5f, 0.4f, 0.4f});
+    const MeshResult kept = mesh_skeleton(bars, {.overlaps = Overlaps::keep});
+    EXPECT_EQ(kept.quads().repair.pairs_after, 0u);
+    const std::uint64_t crossings = judge_surface(kept, bars, {})->crossings;
+    EXPECT_EQ(crossings, check_surface(to_polygons(kept.quads().mesh), nullptr).intersections->total);
+    EXPECT_GT(crossings, 0u);
+    EXPECT_EQ(judge_surface(mesh_skeleton(bars), bars, {})->crossings, 0u);
 }
 
 TEST(JudgeSurface, OmitsTheVolumeOfAnOpenSurface) {

@@ -44,6 +44,7 @@ void visit_figures(const CoarsenReport& r, Visitor&& visit) {
 
 /// Results of remeshing at self-intersections, where tubes cross each other or themselves.
 struct RemeshReport {
+    bool is_searched = false;        ///< whether crossing quads were searched in the whole surface
     std::uint64_t pairs_before = 0;  ///< pairs of quads that crossed
     std::uint64_t pairs_after = 0;   ///< pairs of quads that still cross
     std::uint32_t lost_bulges = 0;   ///< rows of quads that left out a thick part of the skeleton

@@ -319,7 +319,8 @@ RemeshResult repair_intersections(QuadMesh& mesh, const UntangleReport& untangle
     const TubeRows tube_rows(build.cage, build.tubes, levels, build.sides);
     TubeCrossings found = find_tube_crossings(mesh, tube_rows, ctx);
     const std::size_t count = found.pairs.size();
-    if (count >= kMaxPairs) return {.report = {.pairs_before = count, .pairs_after = count}, .trace = {}};
+    if (count >= kMaxPairs)
+        return {.report = {.is_searched = true, .pairs_before = count, .pairs_after = count}, .trace = {}};
     std::vector<TubeRow> lossy = find_lossy_rows(build, found.tubes, ctx);
     // A section that enters another branch is cut off on purpose unless both become one body. Coarse surfaces
     // keep their number of faces, and those of other methods their own joints.
@@ -337,9 +338,11 @@ RemeshResult repair_intersections(QuadMesh& mesh, const UntangleReport& untangle
         std::erase_if(severed, std::not_fn(is_wanted));
         std::erase_if(folded, std::not_fn(has_wanted));
     }
-    if (found.pairs.empty() && lossy.empty() && severed.empty() && folded.empty()) return {};
+    RemeshResult out{.report = {.is_searched = wanted.empty()}, .trace = {}};
+    if (found.pairs.empty() && lossy.empty() && severed.empty() && folded.empty()) return out;
     Remeshing remeshing(found.tubes, build, ctx);
-    RemeshResult out{.report = remeshing.run(found.pairs, lossy, severed, folded), .trace = {}};
+    out.report = remeshing.run(found.pairs, lossy, severed, folded);
+    out.report.is_searched = wanted.empty();
     out.trace = remeshing.finish(mesh, out.report);
     return out;
 }
