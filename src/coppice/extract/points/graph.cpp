@@ -37,17 +37,6 @@ void for_each_link(const Neighbours& neighbours, std::span<const std::uint8_t> i
     for (const Link& link : more) visit(link.from, link.to, link.length);
 }
 
-/// Returns the cost of a link relative to a link straight on and outward.
-double detour(const PathCost& rule, std::span<const Vec3> heading, std::uint32_t p, std::uint32_t q,
-              Vec3 along) {
-    double factor = 1;
-    if (heading.empty()) return factor;
-    if (length_squared(heading[p]) > 0) factor += kTurn * (1 - double{dot(along, heading[p])});
-    if (rule.outward.empty()) return factor;
-    const double off = 1 - double{dot(along, rule.outward[q])};
-    return factor * (1 + kInward * off * off);
-}
-
 /// Converts the sets to components, sorted by their first members.
 Components numbered_sets(DisjointSets& sets, std::size_t count) {
     Components parts;
@@ -64,59 +53,108 @@ Components numbered_sets(DisjointSets& sets, std::size_t count) {
     return parts;
 }
 
+/// State of a point in Dijkstra's algorithm; small, because most of the time is spent on cache misses.
+struct PointState {
+    double cost;
+    float spacing;  ///< [m] limited to the median
+    std::uint32_t parent;
+};
+
+/// Directions at a point, for costs of turns.
+struct Course {
+    Vec3 position;
+    Vec3 outward;  ///< unit direction of growth; zero if unknown
+    Vec3 heading;  ///< direction of the path; zero at its start
+};
+
 /// State of Dijkstra's algorithm.
 struct PathSearch {
-    PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& cost_rule)
-        : graph(of),
-          taken(taken_points),
-          rule(cost_rule),
-          cost(of.size(), std::numeric_limits<double>::infinity()),
-          spacing(rule.spacing.begin(), rule.spacing.end()),
-          heading(rule.position.size(), Vec3{}) {
+    PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& rule,
+               const Context& ctx)
+        : graph(of), taken(taken_points), grows(!rule.outward.empty()), point(of.size()),
+          course(rule.position.size()) {
         const float most = median(rule.spacing);
-        for (float& s : spacing) s = std::min(s, most);
-        for (std::uint32_t p = 0; p < graph.size(); ++p)
-            if (taken[p] != kNoIndex) cost[p] = kNever;
-        paths.parent.assign(graph.size(), kNoIndex);
-        paths.distance.assign(graph.size(), std::numeric_limits<float>::infinity());
+        parallel_for(ctx, graph.size(), kPathsGrain, [&](std::size_t p) {
+            const double cost = taken[p] == kNoIndex ? std::numeric_limits<double>::infinity() : kNever;
+            point[p] = {cost, std::min(rule.spacing[p], most), kNoIndex};
+            if (!course.empty()) course[p] = {rule.position[p], grows ? rule.outward[p] : Vec3{}, Vec3{}};
+        });
+        distance.assign(graph.size(), std::numeric_limits<float>::infinity());
     }
 
     /// Finalizes the path to a point with this cost and relaxes its links.
+    template <bool kTurns>
     void settle(std::uint32_t p, double at) {
         if (taken[p] == kNoIndex) {
-            paths.order.push_back(p);
-            paths.distance[p] = static_cast<float>(at);
+            order.push_back(p);
+            distance[p] = static_cast<float>(at);
         }
+        const auto spacing = double{point[p].spacing};
         for (std::uint32_t e = graph.first[p]; e < graph.first[p + 1]; ++e) {
             const std::uint32_t q = graph.to[e];
-            if (cost[q] <= at) continue;  // finalized, or taken
-            const double share = double{graph.length[e]} / (0.5 * (double{spacing[p]} + double{spacing[q]}));
-            if (at + kMinDetour * (share * share) >= cost[q]) continue;
+            PointState& to = point[q];
+            if (to.cost <= at) continue;  // finalized, or taken
+            const double length = double{graph.length[e]}, unit = 0.5 * (spacing + double{to.spacing});
+            if (kMinDetour * (length * length) >= (to.cost - at) * (unit * unit)) continue;
+            const double share = length / unit;
             Vec3 along;
-            if (!heading.empty()) along = normalized(rule.position[q] - rule.position[p], Vec3{});
-            const double next = at + share * share * detour(rule, heading, p, q, along);
-            if (!(next < cost[q])) continue;
-            cost[q] = next;
-            paths.parent[q] = p;
-            if (!heading.empty()) {
+            if constexpr (kTurns) along = normalized(course[q].position - course[p].position, Vec3{});
+            const double next = at + share * share * (kTurns ? compute_detour(p, q, along) : 1);
+            if (!(next < to.cost)) continue;
+            to.cost = next;
+            to.parent = p;
+            if constexpr (kTurns) {
                 const auto keep = static_cast<float>(std::exp(-share / kHeading));
-                heading[q] = normalized(keep * heading[p] + (1 - keep) * along, along);
+                course[q].heading = normalized(keep * course[p].heading + (1 - keep) * along, along);
             }
             open.push(next, q);
         }
     }
 
+    /// Returns the cost of a link relative to a link straight on and outward.
+    double compute_detour(std::uint32_t p, std::uint32_t q, Vec3 along) const {
+        double factor = 1;
+        const Vec3 heading = course[p].heading;
+        if (length_squared(heading) > 0) factor += kTurn * (1 - double{dot(along, heading)});
+        if (!grows) return factor;
+        const double off = 1 - double{dot(along, course[q].outward)};
+        return factor * (1 + kInward * off * off);
+    }
+
+    /// Finalizes all paths from the points marked by `starts`, in the order of their costs.
+    template <bool kTurns>
+    void run(std::span<const std::uint8_t> starts, const Context& ctx) {
+        std::size_t turn = 0;
+        for (std::uint32_t p = 0; p < graph.size(); ++p) {
+            poll_stop(ctx, turn++);
+            if (starts[p]) settle<kTurns>(p, 0);
+        }
+        while (!open.empty()) {
+            poll_stop(ctx, turn++);
+            const auto [cost, p] = open.pop();
+            if (cost == point[p].cost) settle<kTurns>(p, cost);
+        }
+    }
+
+    Paths take_paths(const Context& ctx) {
+        Paths paths{{}, std::move(distance), std::move(order)};
+        paths.parent.resize(graph.size());
+        parallel_for(ctx, graph.size(), kPathsGrain, [&](std::size_t p) { paths.parent[p] = point[p].parent; });
+        return paths;
+    }
+
+    static constexpr std::size_t kPathsGrain = 16384;
     static constexpr double kNever = -1;       // cost of taken points: no path is cheaper
     static constexpr double kMinDetour = 0.9;  // lower bound of the relative cost, including rounding
 
     const Graph& graph;
     std::span<const std::uint32_t> taken;
-    const PathCost& rule;
-    Buffer<double> cost;
-    Buffer<float> spacing;  // [m] limited to the median
-    Buffer<Vec3> heading;   // direction of the path at each point; empty if turns have no cost
+    bool grows;  // whether directions of growth are known
+    Buffer<PointState> point;
+    Buffer<Course> course;  // empty if turns have no cost
     RadixHeap open;
-    Paths paths;
+    Buffer<float> distance;
+    std::vector<std::uint32_t> order;
 };
 
 /// Unmarks taken sources with only taken neighbours: no path leaves them.
@@ -182,24 +220,19 @@ Components components(const Neighbours& neighbours, std::span<const std::uint8_t
 
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
                      std::span<const std::uint32_t> taken, const PathCost& rule, const Context& ctx) {
-    PathSearch search(graph, taken, rule);
+    PathSearch search(graph, taken, rule, ctx);
     std::vector<std::uint8_t> starts(graph.size(), 0);
     for (const std::uint32_t p : sources) {
         starts[p] = 1;
-        if (taken[p] == kNoIndex) search.cost[p] = 0;
+        if (taken[p] == kNoIndex) search.point[p].cost = 0;
     }
     if (2 * sources.size() > graph.size()) drop_enclosed(graph, taken, starts);
-    std::size_t turn = 0;
-    for (std::uint32_t p = 0; p < graph.size(); ++p) {
-        poll_stop(ctx, turn++);
-        if (starts[p]) search.settle(p, 0);
+    if (rule.position.empty()) {
+        search.run<false>(starts, ctx);
+    } else {
+        search.run<true>(starts, ctx);
     }
-    while (!search.open.empty()) {
-        poll_stop(ctx, turn++);
-        const auto [cost, p] = search.open.pop();
-        if (cost == search.cost[p]) search.settle(p, cost);
-    }
-    return std::move(search.paths);
+    return search.take_paths(ctx);
 }
 
 }  // namespace coppice::extract_internal
