@@ -80,7 +80,8 @@ void assign_samples(Model& model, std::span<std::uint32_t> node, const Context& 
     });
 }
 
-/// Normal equations of one segment: blocks of its parent, of its child, and between both.
+/// Normal equations of one segment: blocks of its parent, of its child, and between both. Of the symmetric
+/// blocks pp and cc only the lower triangles are computed.
 struct Block {
     Mat4 pp{}, pc{}, cc{};
     Vec4 gp{}, gc{};
@@ -109,11 +110,11 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
         const double other = 1 - share;
         const Vec4 jp{-d.x * other, -d.y * other, -d.z * other, tapers ? -other : 0.0};
         for (int a = 0; a < 4; ++a) {
-            for (int b = 0; b < 4; ++b) {
+            for (int b = 0; b <= a; ++b) {
                 out.cc[a][b] += w * jc[a] * jc[b];
                 out.pp[a][b] += w * jp[a] * jp[b];
-                out.pc[a][b] += w * jp[a] * jc[b];
             }
+            for (int b = 0; b < 4; ++b) out.pc[a][b] += w * jp[a] * jc[b];
             out.gc[a] -= w * jc[a] * r;
             out.gp[a] -= w * jp[a] * r;
         }
@@ -122,10 +123,9 @@ Block normal_equations(const Model& model, std::uint32_t n, std::span<const std:
     return out;
 }
 
-/// Solves a x = b for the columns of b; a is symmetric positive definite.
-template <std::size_t N>
-void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
-    for (int j = 0; j < 4; ++j) {  // in-place Cholesky factorization
+/// Replaces the lower triangle of a symmetric positive definite matrix by its Cholesky factor.
+void factorize(Mat4& a) {
+    for (int j = 0; j < 4; ++j) {
         for (int k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
         a[j][j] = std::sqrt(std::max(a[j][j], 1e-300));
         for (int i = j + 1; i < 4; ++i) {
@@ -133,6 +133,11 @@ void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
             a[i][j] /= a[j][j];
         }
     }
+}
+
+/// Solves a x = b for the columns of b, where `a` is the Cholesky factor.
+template <std::size_t N>
+void solve_spd(const Mat4& a, std::array<Vec4, N>& columns) {
     for (Vec4& x : columns) {
         for (int i = 0; i < 4; ++i) {
             for (int k = 0; k < i; ++k) x[i] -= a[i][k] * x[k];
@@ -147,7 +152,8 @@ void solve_spd(Mat4 a, std::array<Vec4, N>& columns) {
 
 /// Symmetric system with a block of four unknowns (position and radius) per node and a block per edge.
 struct TreeSystem {
-    std::vector<Mat4> diagonal, across;  // across: rows of the parent, columns of the child
+    std::vector<Mat4> diagonal;  // lower triangles
+    std::vector<Mat4> across;    // rows of the parent, columns of the child
     std::vector<Vec4> right;
 };
 
@@ -164,9 +170,9 @@ TreeSystem assemble(const InitialTree& tree, std::span<const Block> blocks, doub
         const double spring = stiffness * unit, hold = 1e-4 * unit;
         const std::uint32_t q = tree.parent[n];
         for (int i = 0; i < 4; ++i) {
-            for (int j = 0; j < 4; ++j) {
+            for (int j = 0; j < 4; ++j) across[n][i][j] = b.pc[i][j];
+            for (int j = 0; j <= i; ++j) {
                 diagonal[n][i][j] += b.cc[i][j];
-                across[n][i][j] = b.pc[i][j];
                 if (q != kNoIndex) diagonal[q][i][j] += b.pp[i][j];
             }
             diagonal[n][i][i] += hold + (q == kNoIndex ? 0 : spring);
@@ -188,7 +194,9 @@ std::vector<Vec4> solve(const InitialTree& tree, TreeSystem system, const Contex
     for (std::uint32_t n = tree.size(); n-- > 0;) {
         poll_stop(ctx, n);
         const std::uint32_t q = tree.parent[n];
-        if (q == kNoIndex || tree.fixed[n]) continue;
+        if (tree.fixed[n]) continue;
+        factorize(diagonal[n]);
+        if (q == kNoIndex) continue;
         // Columns of diagonal^-1 across^T, and diagonal^-1 right.
         std::array<Vec4, 5> x;
         for (int j = 0; j < 4; ++j)
@@ -197,7 +205,7 @@ std::vector<Vec4> solve(const InitialTree& tree, TreeSystem system, const Contex
         solve_spd(diagonal[n], x);
         for (int i = 0; i < 4; ++i) {
             for (int k = 0; k < 4; ++k) {
-                for (int j = 0; j < 4; ++j) diagonal[q][i][j] -= across[n][i][k] * x[j][k];
+                for (int j = 0; j <= i; ++j) diagonal[q][i][j] -= across[n][i][k] * x[j][k];
                 right[q][i] -= across[n][i][k] * x[4][k];
             }
         }
