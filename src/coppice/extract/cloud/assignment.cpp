@@ -223,11 +223,11 @@ PointDistances assign_points(const InitialTree& tree, FitSamples& samples, std::
         distances.distance[i] = static_cast<float>(best);
     });
     distances.noise = compute_noise(distances.distance, radius, spacing);
-    for (std::size_t i = 0; i < count; ++i) {
+    parallel_for(ctx, count, kAssignmentGrain, [&](std::size_t i) {
         const double off =
             std::max({kSigmas * distances.noise, tolerance.radii * double{radius[i]}, reach(i)});
         if (!(distances.distance[i] <= off)) samples.node[i] = on[i];
-    }
+    });
     return distances;
 }
 

@@ -3,6 +3,7 @@
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/id.h"
+#include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/cloud/initial_tree_internal.h"
 #include "coppice/extract/cloud/tree_internal.h"
@@ -19,7 +20,7 @@ constexpr double kOfSpacing = 0.6;  // [spacing] additional radius of a tube tha
 
 /// Loose tubes, each identified by its first node. Roots and branches are added after their nodes.
 struct Tubes {
-    std::uint32_t count;                         // number of nodes of tubes
+    std::uint32_t count = 0;                     // number of nodes of tubes
     std::vector<std::uint32_t> of_node;          // tube of each node
     CompressedRows<std::uint32_t> ends, points;  // of each tube
     std::vector<double> length;                  // [m] of each tube
@@ -147,8 +148,15 @@ std::uint64_t attach_tubes(InitialTree& tree, FitSamples& samples, const CloudIn
         if (samples.node[p] != kNoIndex && tree.fixed[samples.node[p]] && is_linked(p)) sources.push_back(p);
     for (const auto& base : cloud.bases) sources.insert(sources.end(), base.begin(), base.end());
     const std::vector<std::uint32_t> taken(samples.node.size(), kNoIndex);
-    const Paths paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);
-    const Tubes tubes = make_tubes(tree, samples);
+    Paths paths;
+    Tubes tubes;
+    parallel_for(ctx, 2, 1, [&](std::size_t part) {
+        if (part == 0) {
+            paths = shortest_paths(cloud.graph, sources, taken, cloud.cost(samples.positions), ctx);
+        } else {
+            tubes = make_tubes(tree, samples);
+        }
+    });
     if (add_roots)
         for (const auto& base : cloud.bases) add_root(tree, samples, base, cloud.spacing);
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,

@@ -4,11 +4,14 @@
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/disjoint_sets.h"
 #include "coppice/base/id.h"
+#include "coppice/base/parallel.h"
 #include "coppice/base/progress.h"
 #include "coppice/extract/cloud/bins_internal.h"
 
 namespace coppice::extract_internal {
 namespace {
+
+constexpr std::size_t kBinsGrain = 256;
 
 std::uint32_t find_mode(std::vector<std::uint32_t>& values) {
     std::ranges::sort(values);
@@ -67,6 +70,26 @@ std::size_t number_sets(DisjointSets& sets, std::span<const std::uint32_t> bin, 
     return heads.size();
 }
 
+/// Sets position, radius and parent of a node from its points.
+void place_node(CloudTree& tree, std::uint32_t n, std::span<const Vec3> points,
+                std::span<const std::uint32_t> members, const Paths& paths,
+                std::vector<std::uint32_t>& parents) {
+    parents.clear();
+    Vec3d sum;
+    for (const std::uint32_t p : members) {
+        sum += Vec3d(points[p]);
+        if (paths.parent[p] == kNoIndex) continue;
+        const std::uint32_t from = tree.node_of_point[paths.parent[p]];
+        if (from != n) parents.push_back(from);
+    }
+    const auto size = static_cast<double>(members.size());
+    tree.parent[n] = find_mode(parents);
+    tree.position[n] = sum / size;
+    double squared = 0;
+    for (const std::uint32_t p : members) squared += length_squared(Vec3d(points[p]) - tree.position[n]);
+    tree.radius[n] = std::sqrt(squared / size);
+}
+
 }  // namespace
 
 void bin_paths(CloudTree& tree, std::span<const Vec3> points, const Graph& graph, const Paths& paths,
@@ -78,24 +101,12 @@ void bin_paths(CloudTree& tree, std::span<const Vec3> points, const Graph& graph
     const auto members = group_by(bin_set, count);
     const std::uint32_t first = tree.size();
     for (const std::uint32_t p : paths.order) tree.node_of_point[p] = first + bin_set[p];
-    std::vector<std::uint32_t> parents;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        poll_stop(ctx, i);
-        parents.clear();
-        Vec3d sum;
-        for (const std::uint32_t p : members[i]) {
-            sum += Vec3d(points[p]);
-            if (paths.parent[p] == kNoIndex) continue;
-            const std::uint32_t from = tree.node_of_point[paths.parent[p]];
-            if (from != first + i) parents.push_back(from);
-        }
-        const auto size = static_cast<double>(members[i].size());
-        const std::uint32_t n = tree.add(find_mode(parents), sum / size);
-        double squared = 0;
-        for (const std::uint32_t p : members[i])
-            squared += length_squared(Vec3d(points[p]) - tree.position[n]);
-        tree.radius[n] = std::sqrt(squared / size);
-    }
+    for (std::size_t i = 0; i < count; ++i) tree.add(kNoIndex, {});
+    parallel_for_ranges(ctx, count, kBinsGrain, [&](IndexRange range) {
+        std::vector<std::uint32_t> parents;
+        for (std::size_t i = range.begin; i < range.end; ++i)
+            place_node(tree, first + static_cast<std::uint32_t>(i), points, members[i], paths, parents);
+    });
 }
 
 }  // namespace coppice::extract_internal

@@ -3,6 +3,7 @@
 
 #include "coppice/base/id.h"
 #include "coppice/base/kernel/round_cone.h"
+#include "coppice/base/parallel.h"
 #include "coppice/extract/cloud/centerline_internal.h"
 #include "coppice/extract/cloud/initial_tree_internal.h"
 #include "coppice/extract/prior/evidence_internal.h"
@@ -64,13 +65,19 @@ void mark_covered(const Centerline& branch, BranchPoints& points, const CloudInp
 
 void grow_chains(InitialTree& tree, FitSamples& samples, const CloudInput& cloud,
                  const PointDistances& distances, const Context& ctx) {
-    const Paths paths = shortest_paths(cloud.graph, points_with_nodes(samples), samples.node,
-                                       cloud.cost(samples.positions), ctx);
+    Paths paths;
+    std::vector<double> margin;
+    parallel_for(ctx, 2, 1, [&](std::size_t part) {
+        if (part == 0) {
+            paths = shortest_paths(cloud.graph, points_with_nodes(samples), samples.node,
+                                   cloud.cost(samples.positions), ctx);
+        } else {
+            for (const NodeEvidence& e : gather_evidence(tree, samples, cloud.spacing, ctx))
+                margin.push_back(e.margin());
+        }
+    });
     BranchPoints points{samples.positions, cloud.graph,        cloud.spacing,
                         samples.node,      cloud.options.step, cloud.options.narrow};
-    std::vector<double> margin;
-    for (const NodeEvidence& e : gather_evidence(tree, samples, cloud.spacing, ctx))
-        margin.push_back(e.margin());
     Centerline branch;
     std::vector<std::uint8_t> dead(samples.node.size(), 0);  // whether branches may not start at a point
     for (std::size_t i = paths.order.size(); i-- > 0;) {

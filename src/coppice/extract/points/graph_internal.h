@@ -70,6 +70,9 @@ struct PathCost {
 Paths shortest_paths(const Graph& graph, std::span<const std::uint32_t> sources,
                      std::span<const std::uint32_t> taken, const PathCost& cost, const Context& ctx);
 
+/// Marks the components with enough points for a tree.
+std::vector<std::uint8_t> mark_large_parts(const Components& parts);
+
 struct RootOptions {
     double spacing;                   ///< [m] spacing of the points
     std::optional<Vec3d> given = {};  ///< [m] position of the only tree, if set

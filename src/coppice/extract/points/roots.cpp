@@ -79,13 +79,10 @@ std::uint32_t nearest_point(std::span<const Vec3> points, const Graph& graph, Ve
 
 /// Returns the points of each component that is large enough for a tree; empty for the others.
 std::vector<std::vector<std::uint32_t>> points_of_trees(const Components& parts) {
-    const std::uint32_t largest = *std::ranges::max_element(parts.size);
+    const std::vector<std::uint8_t> large = mark_large_parts(parts);
     std::vector<std::vector<std::uint32_t>> members(parts.size.size());
-    for (std::uint32_t i = 0; i < parts.of.size(); ++i) {
-        const std::uint32_t part = parts.of[i];
-        if (parts.size[part] >= std::min(kMin, largest) && parts.size[part] >= kTreeShare * largest)
-            members[part].push_back(i);
-    }
+    for (std::uint32_t i = 0; i < parts.of.size(); ++i)
+        if (large[parts.of[i]]) members[parts.of[i]].push_back(i);
     return members;
 }
 
@@ -118,6 +115,15 @@ std::vector<Stem> find_stems(std::span<const Vec3> points, const Graph& graph,
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> mark_large_parts(const Components& parts) {
+    const std::uint32_t largest = *std::ranges::max_element(parts.size);
+    std::vector<std::uint8_t> large(parts.size.size());
+    for (std::size_t part = 0; part < large.size(); ++part)
+        large[part] =
+            parts.size[part] >= std::min(kMin, largest) && parts.size[part] >= kTreeShare * largest;
+    return large;
+}
 
 std::vector<std::vector<std::uint32_t>> find_roots(std::span<const Vec3> points, const Graph& graph,
                                                    const Components& parts, const RootOptions& options,
