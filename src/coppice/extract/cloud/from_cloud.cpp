@@ -212,6 +212,7 @@ std::vector<std::vector<std::uint32_t>> other_bases(const Cloud& cloud, const Pa
     const Components& parts = paths.graph.components;
     if (!stems.empty() && options.given) return {};
     const std::vector<std::uint8_t> has_stem = parts_with_stems(cloud, paths, stems);
+    // Only large components have a base, and none of those with a measured stem needs one.
     const std::vector<std::uint8_t> large = mark_large_parts(parts);
     if (!options.given && std::ranges::equal(large, has_stem, std::less_equal{})) return {};
     const Graph near = make_graph(cloud.near, cloud.outlier, paths.graph.bridges, ctx, paths.gap);

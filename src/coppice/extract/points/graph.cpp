@@ -71,7 +71,10 @@ struct Course {
 struct PathSearch {
     PathSearch(const Graph& of, std::span<const std::uint32_t> taken_points, const PathCost& rule,
                const Context& ctx)
-        : graph(of), taken(taken_points), grows(!rule.outward.empty()), point(of.size()),
+        : graph(of),
+          taken(taken_points),
+          grows(!rule.outward.empty()),
+          point(of.size()),
           course(rule.position.size()) {
         const float most = median(rule.spacing);
         parallel_for(ctx, graph.size(), kPathsGrain, [&](std::size_t p) {
@@ -136,10 +139,12 @@ struct PathSearch {
         }
     }
 
+    /// Moves the result out of the search.
     Paths take_paths(const Context& ctx) {
         Paths paths{{}, std::move(distance), std::move(order)};
         paths.parent.resize(graph.size());
-        parallel_for(ctx, graph.size(), kPathsGrain, [&](std::size_t p) { paths.parent[p] = point[p].parent; });
+        parallel_for(ctx, graph.size(), kPathsGrain,
+                     [&](std::size_t p) { paths.parent[p] = point[p].parent; });
         return paths;
     }
 

@@ -120,8 +120,7 @@ std::vector<std::uint8_t> mark_large_parts(const Components& parts) {
     const std::uint32_t largest = *std::ranges::max_element(parts.size);
     std::vector<std::uint8_t> large(parts.size.size());
     for (std::size_t part = 0; part < large.size(); ++part)
-        large[part] =
-            parts.size[part] >= std::min(kMin, largest) && parts.size[part] >= kTreeShare * largest;
+        large[part] = parts.size[part] >= std::min(kMin, largest) && parts.size[part] >= kTreeShare * largest;
     return large;
 }
 
