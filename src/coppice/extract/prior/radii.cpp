@@ -163,6 +163,14 @@ struct Kind {
         }
         return -std::numeric_limits<double>::infinity();
     }
+
+    /// Returns the weight of the median in [0, 1]: 0 if half of the length was not measured, 1 if all was.
+    double median_weight() const {
+        double seen = 0;
+        for (const Section& p : sections)
+            if (std::isfinite(p.log_radius)) seen += p.length;
+        return std::max(0.0, 2 * seen / length - 1);
+    }
 };
 
 std::vector<Kind> collect_kinds(const InitialTree& tree, std::span<const NodeEvidence> evidence,
@@ -192,8 +200,9 @@ Allometry fit_allometry(const InitialTree& tree, std::span<const NodeEvidence> e
         const double y = kind.median_log_radius();
         if (!std::isfinite(y) || !(kind.length > 0)) continue;
         const double x = kind.log_share / kind.length, error = kKindError * std::max(1.0, -x);
-        xx += x * x / (error * error);
-        xy += x * y / (error * error);
+        const double weight = kind.median_weight() / (error * error);
+        xx += weight * x * x;
+        xy += weight * x * y;
     }
     out.exponent = std::clamp(xy / xx, kMinExponent, kMaxExponent);
     return out;
