@@ -86,12 +86,12 @@ PointSet whorl_cloud(double points) {
         const double area = 2 * 3.14159 * r * distance(a, b);
         strew_cone(set, a, b, r, r, static_cast<int>(points * area), 0.001, false, seed);
     };
-    strew({0, 0, 0}, {0, 0, 2}, 0.08, 1);
+    strew({0, 0, 0}, {0, 0, 2}, 0.08, 21);
     // They begin at the surface of the stem, as in a scan.
     for (std::uint64_t k = 0; k < 4; ++k) {
         const double turn = 1.570796 * static_cast<double>(k);
         const Vec3d out{std::cos(turn), std::sin(turn), 0.5};
-        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, k + 2);
+        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, k + 22);
     }
     return set;
 }
@@ -213,7 +213,7 @@ TEST(FromCloud, ExtractsFewTwigsFromNeedles) {
 }
 
 PointSet tree_on_ground() {
-    PointSet set = fork_cloud();
+    PointSet set = fork_cloud(0.005);
     const CounterRandom random(9, 1);
     for (std::uint64_t i = 0; i < 8000; ++i) {
         const double x = random.uniform(3 * i, -2, 2), y = random.uniform(3 * i + 1, -2, 2);
@@ -355,6 +355,23 @@ TEST(FromCloud, IsBitIdenticalForAnyNumberOfThreads) {
         EXPECT_TRUE(std::ranges::equal(more.skeleton.parents(), one.skeleton.parents()));
         EXPECT_EQ(more.confidence, one.confidence);
     }
+}
+
+TEST(FromCloud, ResultMovesAndTurnsWithTheCloud) {
+    PointSet set = fork_cloud(0.01);
+    const Skeleton before = extract_from_cloud(set).skeleton;
+    const double cosine = std::cos(2.5), sine = std::sin(2.5);
+    const auto turn = [&](Vec3 p) {
+        return Vec3(Vec3d{cosine * p.x - sine * p.y + 3, sine * p.x + cosine * p.y - 7, p.z});
+    };
+    for (Vec3& p : set.positions) p = turn(p);
+    std::ranges::reverse(set.positions);
+    set.origin = {500000, 0, 0};
+    const Skeleton after = extract_from_cloud(set).skeleton;
+    EXPECT_EQ(after.origin(), set.origin);
+    EXPECT_NEAR(measure(after).length, measure(before).length, 0.01 * measure(before).length);
+    EXPECT_NEAR(measure(after).volume, measure(before).volume, 0.01 * measure(before).volume);
+    for (const Vec3 p : before.positions()) EXPECT_LT(distance_to_axis(after, Vec3d(turn(p))), 0.01);
 }
 
 TEST(FromCloud, RejectsCloudsWithoutATree) {

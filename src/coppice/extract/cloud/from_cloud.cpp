@@ -58,8 +58,8 @@ double choose_detail(std::span<const Vec3> points, const CloudOptions& options) 
     return options.detail > 0 ? options.detail : kDetailHeight * compute_height(points);
 }
 
-ExtractResult make_result(const FittedTree& initial, Vec3d origin, const Context& ctx) {
-    ExtractResult out{to_skeleton(initial.tree, origin), {}, {}};
+ExtractResult make_result(const FittedTree& initial, const Context& ctx) {
+    ExtractResult out{to_skeleton(initial.tree, {}), {}, {}};
     out.confidence = rate_nodes(initial.tree, initial.samples, out.report.residual, ctx);
     for (std::uint32_t n = 0; n < initial.tree.size(); ++n) {
         NodeConfidence& c = out.confidence[n];
@@ -171,10 +171,9 @@ struct Rough {
 
 /// Returns the stems as measured in the points. The height of the points of a tree is known only if there is
 /// one stem.
-std::vector<SeenStem> seen_stems(const Cloud& cloud, std::span<const StemAxis> stems, Vec3d origin,
-                                 const Context& ctx) {
+std::vector<SeenStem> seen_stems(const Cloud& cloud, std::span<const StemAxis> stems, const Context& ctx) {
     std::vector<SeenStem> out;
-    for (const StemAxis& stem : stems) out.push_back({origin + stem.position.front(), stem.breast});
+    for (const StemAxis& stem : stems) out.push_back({stem.position.front(), stem.breast});
     if (stems.size() != 1) return out;
     std::vector<Vec3> kept;
     for (std::size_t p = 0; p < cloud.points.size(); ++p)
@@ -267,6 +266,16 @@ void place_among(Rough& rough, std::span<const Vec3> points, std::span<const std
     rough.initial.samples = {points, {}, std::move(node)};
 }
 
+/// Returns the skeleton moved from the frame of a cloud to the cloud.
+Skeleton leave_frame(const Skeleton& skeleton, const CloudFrame& frame, Vec3d origin) {
+    std::vector<Vec3> position;
+    for (const Vec3 p : skeleton.positions()) position.emplace_back(frame.to_cloud(Vec3d(p)));
+    return {{skeleton.parents().begin(), skeleton.parents().end()},
+            std::move(position),
+            {skeleton.radii().begin(), skeleton.radii().end()},
+            origin};
+}
+
 }  // namespace
 
 CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& options, const Context& ctx) {
@@ -282,7 +291,7 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     cleaning.outliers = static_cast<std::uint64_t>(std::ranges::count(cloud.outlier, 1));
 
     std::optional<Vec3d> root;
-    if (options.root) root = *options.root - set.origin;
+    if (options.root) root = clean.frame.to_frame(*options.root - set.origin);
     const Buffer<float> spacing = local_spacing(cloud.near, kSpacingRank);
     cleaning.spacing = median(spacing);
     const std::vector<StemAxis> stems =
@@ -321,10 +330,11 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
                   narrow_progress(ctx, kTreeBuilt, 1));
     cleaning.unreached =
         cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.initial.reached;
-    CloudExtraction out{make_result(rough.initial, set.origin, ctx), cleaning, {}, {{}, set.origin}};
-    out.trees = tree_figures(out.skeleton, out.confidence, seen_stems(cloud, stems, set.origin, ctx));
+    CloudExtraction out{make_result(rough.initial, ctx), cleaning, {}, {{}, set.origin}};
+    out.trees = tree_figures(out.skeleton, out.confidence, seen_stems(cloud, stems, ctx));
+    out.skeleton = leave_frame(out.skeleton, clean.frame, set.origin);
     for (std::size_t p = 0; p < leaf.size(); ++p)
-        if (leaf[p]) out.leaves.positions.push_back(cloud.points[p]);
+        if (leaf[p]) out.leaves.positions.emplace_back(clean.frame.to_cloud(Vec3d(cloud.points[p])));
     out.report.joined = static_cast<std::uint32_t>(paths.graph.bridges.size()) + paths.graph.wide;
     ctx.report(1);
     return out;

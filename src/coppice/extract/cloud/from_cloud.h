@@ -129,9 +129,9 @@ struct CloudExtraction : ExtractResult {
 /// that do not exist: downsample with `voxel`. Fronds, and leaves wider than a few per cent of the height,
 /// are not distinguished from wood.
 ///
-/// The origin is that of the cloud. O(n log n), about 500 bytes per point. The result does not depend on the
-/// number of threads. Throws InvalidInput for options out of range and for fewer than 20 points, before or
-/// after cleaning; Cancelled.
+/// The origin is that of the cloud. O(n log n), about 500 bytes per point. The result moves and turns about
+/// the vertical with the points, and does not depend on their order or the number of threads. Throws
+/// InvalidInput for options out of range and for fewer than 20 points, before or after cleaning; Cancelled.
 CloudExtraction extract_from_cloud(const PointSet& points, const CloudOptions& options = {},
                                    const Context& ctx = {});
 

@@ -1,0 +1,49 @@
+#include <cmath>
+#include <vector>
+
+#include "coppice/base/median.h"
+#include "coppice/extract/points/cloud_frame_internal.h"
+
+namespace coppice::extract_internal {
+namespace {
+
+/// Returns the horizontal positions of the points that are not far from all others.
+std::vector<Vec3d> exclude_far_points(std::span<const Vec3> points) {
+    constexpr double kFar = 100;  // [median distance from the middle]
+    std::vector<float> x, y;
+    for (const Vec3 p : points) {
+        x.push_back(p.x);
+        y.push_back(p.y);
+    }
+    const double middle_x = median_in_place(x), middle_y = median_in_place(y);
+    std::vector<double> off;
+    for (const Vec3 p : points) off.push_back(std::hypot(p.x - middle_x, p.y - middle_y));
+    const double reach = kFar * median(off);
+    std::vector<Vec3d> near;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (off[i] <= reach) near.push_back({points[i].x, points[i].y, 0});
+    return near;
+}
+
+}  // namespace
+
+CloudFrame find_cloud_frame(std::span<const Vec3> points) {
+    auto near = exclude_far_points(points);
+    Vec3d middle;
+    for (const Vec3d p : near) middle += p / static_cast<double>(near.size());
+    double xx = 0, xy = 0, yy = 0;
+    for (Vec3d& p : near) {
+        p -= middle;
+        xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y;
+    }
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+    const CloudFrame frame{middle.x, middle.y, std::cos(angle), std::sin(angle)};
+    double skew = 0;
+    for (const Vec3d p : near) {
+        const double along = frame.cosine * p.x + frame.sine * p.y;
+        skew += along * along * along;
+    }
+    return skew < 0 ? CloudFrame{frame.x, frame.y, -frame.cosine, -frame.sine} : frame;
+}
+
+}  // namespace coppice::extract_internal
