@@ -13,6 +13,7 @@
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/mesh/texture_table.h"
 #include "coppice/mesh/vertex_attribute.h"
 #include "coppice/system/file.h"
 
@@ -62,13 +63,6 @@ struct MeshView {
     std::span<const Vec3> normals;                ///< one for every vertex, for OBJ; may be empty
     std::span<const VertexAttribute> attributes;  ///< of the vertices
     FileUp up = FileUp::z;                        ///< up axis named by the comments of OBJ and PLY
-};
-
-/// Texture coordinates listed once for every vertex that uses them.
-struct TextureTable {
-    std::vector<TexturePoint> places;
-    std::vector<std::uint32_t> vertex;     ///< per place
-    std::vector<std::uint32_t> of_corner;  ///< per corner: its place
 };
 
 /// Returns the table of a mesh with texture coordinates; empty without. O(n).

@@ -1,0 +1,29 @@
+#include "coppice/mesh/texture_table.h"
+
+#include "coppice/base/id.h"
+
+namespace coppice {
+
+TextureTable make_texture_table(std::span<const std::uint32_t> corners, std::span<const TexturePoint> texture,
+                                std::size_t vertex_count) {
+    TextureTable table;
+    if (texture.empty()) return table;
+    table.of_corner.resize(texture.size());
+    std::vector<std::uint32_t> first_of_vertex(vertex_count, kNoIndex), next_of_place;
+    for (std::size_t i = 0; i < texture.size(); ++i) {
+        std::uint32_t& first = first_of_vertex[corners[i]];
+        std::uint32_t found = first;
+        while (found != kNoIndex && table.places[found] != texture[i]) found = next_of_place[found];
+        if (found == kNoIndex) {
+            found = static_cast<std::uint32_t>(table.places.size());
+            table.places.push_back(texture[i]);
+            table.vertex.push_back(corners[i]);
+            next_of_place.push_back(first);
+            first = found;
+        }
+        table.of_corner[i] = found;
+    }
+    return table;
+}
+
+}  // namespace coppice
