@@ -15,7 +15,9 @@ struct BarkImage {
     std::string bytes;     ///< PNG
 };
 
-/// Encodes all maps: color, normal, height, orm, roughness and occlusion. Equal maps give equal bytes.
+/// Encodes one map: color, normal, height, orm, roughness or occlusion. Equal maps give equal bytes.
+std::string encode_bark_map(const BarkMaps& maps, std::string_view map);
+/// Encodes all maps: color, normal, height, orm, roughness and occlusion.
 std::vector<BarkImage> encode_bark(const BarkMaps& maps, const Context& ctx = {});
 
 /// Returns the name of the file of a map.
