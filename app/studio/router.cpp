@@ -52,6 +52,13 @@ bool is_plain_path(std::string_view target) {
                                 [](unsigned char c) { return c <= ' ' || c >= 127 || c == '?' || c == '#'; });
 }
 
+/// Browsers decode images only of a type that is stated.
+std::string_view find_type(std::string_view bytes) {
+    if (bytes.starts_with("\x89PNG")) return "image/png";
+    if (bytes.starts_with("\xff\xd8\xff")) return "image/jpeg";
+    return "application/octet-stream";
+}
+
 }  // namespace
 
 Router::Router(Rules rules, Page page, std::shared_ptr<const FolderSandbox> sandbox,
@@ -128,7 +135,7 @@ Plan Router::plan_file(const HttpHead& head, std::string_view name) const {
 HttpReply Router::blob(const SendBlob& wanted) const {
     StudioBytes bytes = engine_.blob(wanted.key);
     if (!bytes) return sentence(404, "this geometry no longer exists; request it again");
-    return {.type = "application/octet-stream", .body = std::move(bytes)};
+    return {.type = std::string(find_type(*bytes)), .body = std::move(bytes)};
 }
 
 HttpReply Router::file(const SendFile& wanted) const {

@@ -24,8 +24,7 @@ TEST(TextureTable, ListsVerticesAtSeamsOncePerPlace) {
 TEST(TextureTable, DividesTheValuesOfVertices) {
     const TextureTable table = make_texture_table(kCorners, kTexture, 4);
     const std::vector<float> values{5, 6, 7, 8};
-    EXPECT_EQ(divide_at_seams(std::span<const float>(values), table),
-              (std::vector<float>{5, 6, 7, 8, 5, 8}));
+    EXPECT_EQ(divide_at_seams(std::span<const float>(values), table), (std::vector<float>{5, 6, 7, 8, 5, 8}));
 }
 
 TEST(TextureTable, IsEmptyWithoutCoordinates) {

@@ -41,6 +41,19 @@ class Protocol(unittest.TestCase):
             with open(os.path.join(self.folder, "tree.coppice"), encoding="utf-8") as file:
                 self.assertEqual([s["text"] for s in client.state["statements"]], file.read().splitlines())
 
+    def test_images_of_materials_have_their_type(self):
+        with self.studio.client() as client:
+            client.must("run", line="limb t 0,0,0 0,0,1 radius=0.1")
+            client.must("run", line="material bark oak width=32")
+            client.must("run", line="mesh t levels=0 uv=bark material=bark")
+            images = client.must("material", name="t")["images"]
+            self.assertEqual(sorted(images), ["color", "normal", "occlusion", "roughness"])
+            status, fields, body = self.studio.ask("GET", f"/blob/{images['color']}")
+            self.assertEqual((status, fields["content-type"], body[:4]), (200, "image/png", b"\x89PNG"))
+            self.assertEqual(fields["x-content-type-options"], "nosniff")
+            for name in ["bark.png", "..%2fbark.png", "%2fetc%2fpasswd"]:
+                self.assertEqual(self.studio.ask("GET", f"/blob/{name}")[0], 404)
+
     def test_uploads_and_downloads_are_the_same_bytes(self):
         data = os.urandom(5 << 20)
         status, _, body = self.studio.ask("PUT", "/file/scan.las", body=data)

@@ -66,6 +66,57 @@ TEST(Geometry, OfASolidIsASurfaceWithOutwardNormals) {
     }
 }
 
+/// Returns the coordinates of the vertices of all faces in order, `size` numbers each.
+template <class Number>
+std::vector<Number> by_corner(const Decoded& d, const std::string& name, std::size_t size,
+                              const std::string& faces) {
+    const auto values = d.array<Number>(name);
+    std::vector<Number> out;
+    for (const std::uint32_t v : d.array<std::uint32_t>(faces)) {
+        const auto first = values.begin() + static_cast<std::ptrdiff_t>(size * v);
+        out.insert(out.end(), first, first + static_cast<std::ptrdiff_t>(size));
+    }
+    return out;
+}
+
+void expect_divided_at_seams(const std::string& options, const std::string& faces) {
+    const Scene scene = make_scene(
+        "limb t 0,0,0 0,0,1 0,0,2 radius=0.1\nedit draw t 0,0,1 1,0,1.5 radius=0.05\n"
+        "material m oak width=16\n"
+        "mesh t plain levels=1 uv=bark" +
+        options + "\n" + "mesh t barked levels=1 uv=bark material=m" + options + "\n");
+    const Decoded plain = shown(scene, ObjectKind::mesh, "plain");
+    const Decoded barked = shown(scene, ObjectKind::mesh, "barked");
+    EXPECT_TRUE(plain.array<float>("uv").empty());  // there are no images for it
+    const auto uv = barked.array<float>("uv");
+    EXPECT_EQ(uv.size() / 2, barked.array<float>("position").size() / 3);
+    EXPECT_GT(uv.size() / 2, plain.array<float>("position").size() / 3);
+    EXPECT_EQ(by_corner<float>(barked, "position", 3, faces), by_corner<float>(plain, "position", 3, faces));
+    // Both sides of a seam have the normal of the whole surface; sums in another order may round differently.
+    const auto normals = by_corner<std::int8_t>(barked, "normal", 4, faces);
+    const auto expected = by_corner<std::int8_t>(plain, "normal", 4, faces);
+    ASSERT_EQ(normals.size(), expected.size());
+    for (std::size_t i = 0; i < normals.size(); ++i) EXPECT_NEAR(normals[i], expected[i], 1) << i;
+}
+
+TEST(Geometry, OfQuadsWithAMaterialIsDividedAtSeams) {
+    expect_divided_at_seams("", "quads");
+    const Scene scene = make_scene(
+        "limb t 0,0,0 0,0,2 radius=0.1\nmaterial m oak width=16\n"
+        "mesh t levels=0 uv=bark material=m\n");
+    const auto& surface = std::get<Surface>(scene.state().objects.at({ObjectKind::mesh, "t"})->value);
+    const auto uv = by_corner<float>(shown(scene, ObjectKind::mesh, "t"), "uv", 2, "quads");
+    ASSERT_EQ(uv.size(), 2 * surface.texture.size());
+    for (std::size_t i = 0; i < surface.texture.size(); ++i) {
+        EXPECT_EQ(uv[2 * i], surface.texture[i].u);
+        EXPECT_EQ(uv[2 * i + 1], surface.texture[i].v);
+    }
+}
+
+TEST(Geometry, OfOtherFacesWithAMaterialIsDividedAtSeams) {
+    expect_divided_at_seams(" method=cylinders", "triangles");
+}
+
 TEST(Geometry, OfASkeletonHasIdsAndOrders) {
     const Scene scene = make_scene("limb t 0,0,0 0,0,1 0,0,2\nedit draw t 0,0,1 1,0,1.5 radius=0.02\n");
     const Decoded d = shown(scene, ObjectKind::skeleton, "t", StudioColor::order);

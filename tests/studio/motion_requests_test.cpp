@@ -68,6 +68,19 @@ TEST_F(MotionRequests, WriteAFileForEachFrame) {
     EXPECT_NE(read_file(folder_ / "sway_0000.png"), read_file(folder_ / "sway_0002.png"));
 }
 
+TEST_F(MotionRequests, ShowTheBarkOfAMaterial) {
+    run("material bark oak width=16");
+    must(animate("plain.png", {}));
+    must(animate("barked.png", {{"material", "bark"}}));
+    EXPECT_NE(read_file(folder_ / "barked_0000.png"), read_file(folder_ / "plain_0000.png"));
+    must(animate("barked.glb", {{"material", "bark"}}));
+    EXPECT_NE(read_file(folder_ / "barked.glb").find("normalTexture"), std::string::npos);
+    EXPECT_EQ(names().size(), 7u);  // images of bark are written only for OBJ and USDA
+    must(animate("barked.usda", {{"material", "bark"}}));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "barked_bark_color.png"));
+    EXPECT_EQ(refusal(animate("none.png", {{"material", "wood"}})), "input: there is no material 'wood'");
+}
+
 TEST_F(MotionRequests, WriteOneAnimatedFile) {
     const Json made = must(animate("sway.gif", {}));
     EXPECT_EQ(made["files"], Json::array({"sway.gif"}));

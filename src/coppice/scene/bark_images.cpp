@@ -45,8 +45,9 @@ std::vector<BarkImage> encode_bark(const BarkMaps& maps, const Context& ctx) {
     constexpr std::array<std::string_view, 6> kMaps{"color", "normal",    "height",
                                                     "orm",   "roughness", "occlusion"};
     std::vector<BarkImage> out(kMaps.size());
-    parallel_for(ctx, kMaps.size(), 1,
-                 [&](std::size_t i) { out[i] = {kMaps[i], encode_bark_map(maps, kMaps[i])}; });
+    parallel_for(ctx, kMaps.size(), 1, [&](std::size_t i) {
+        out[i] = {kMaps[i], encode_bark_map(maps, kMaps[i])};
+    });
     return out;
 }
 

@@ -22,7 +22,9 @@ RenderMaterial make_render_material(const BarkMaps& maps) {
 RenderMaterial load_render_material(const MaterialFiles& files, const Context& ctx) {
     const auto load = [&](const std::filesystem::path& path) {
         if (path.empty()) return Image{};
-        return decode_picture(read_file(path, kLargestFile, ctx), path.string());
+        const auto found = files.bytes.find(path);
+        return decode_picture(found == files.bytes.end() ? read_file(path, kLargestFile, ctx) : found->second,
+                              path.string());
     };
     return {load(files.color), load(files.normal), load(files.roughness), load(files.occlusion)};
 }

@@ -71,21 +71,21 @@ HeightTexture load_heights(const SurfaceMaterial& material, const Context& ctx) 
     return decode_height_png(read_file(material.heights, kMaxImageBytes, ctx), material.heights.string());
 }
 
-MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& mesh,
+MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& file,
                            const Context& ctx) {
     MaterialFiles out = material.files;
     if (!material.bark) return out;
-    const auto format = mesh_format_of_name(mesh);
-    const bool is_glb = format == MeshFormat::glb;
-    if (!is_glb && format != MeshFormat::obj && format != MeshFormat::usda) return {};
+    const auto format = mesh_format_of_name(file);
+    const bool is_apart = format == MeshFormat::obj || format == MeshFormat::usda;
+    if (format && !is_apart && format != MeshFormat::glb) return {};
     const std::string prefix =
-        fmt::format("{}_{}", std::filesystem::path(mesh).replace_extension().string(), out.name);
+        fmt::format("{}_{}", std::filesystem::path(file).replace_extension().string(), out.name);
     for (BarkImage& image : encode_bark(*material.bark, ctx)) {
         const std::string name = make_bark_file_name(prefix, image.map);
-        if (is_glb) {
-            out.bytes[name] = std::move(image.bytes);
-        } else {
+        if (is_apart) {
             write_file(name, image.bytes);
+        } else {
+            out.bytes[name] = std::move(image.bytes);
         }
     }
     out.color = make_bark_file_name(prefix, "color");

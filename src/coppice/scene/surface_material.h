@@ -36,9 +36,10 @@ std::uint64_t compute_memory(const SurfaceMaterial& material);
 /// Returns the heights of a material. Throws InvalidInput if it has none, or their image has no scale.
 HeightTexture load_heights(const SurfaceMaterial& material, const Context& ctx);
 
-/// Returns the images of a material for a mesh file. Bark is written next to it, as MESH_NAME_color.png and
-/// so on for a material called NAME, except for GLB, which will contain its images.
-MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& mesh,
+/// Returns the images of a material for a file of a mesh, or of an animation. Bark is written next to OBJ and
+/// USDA, as FILE_NAME_color.png and so on for a material called NAME; for GLB, which contains its images, and
+/// for images of the surface, it is returned.
+MaterialFiles write_images(const SurfaceMaterial& material, const std::filesystem::path& file,
                            const Context& ctx);
 
 }  // namespace coppice

@@ -63,6 +63,17 @@ void Studio::reserve(double bytes) const {
                     bytes / kMebibyte, held / kMebibyte, scene.settings().max_memory));
 }
 
+void Studio::check_size(std::uint64_t bytes, const std::string& name) const {
+    constexpr std::uint64_t kAtOnce = 4;  // two that are computed, and as much that is stored
+    constexpr double kMebibyte = 1 << 20;
+    const std::uint64_t most = shares.blobs / kAtOnce;
+    if (bytes <= most) return;
+    throw InvalidInput(
+        fmt::format("showing '{}' would take {:.1f} MiB, and {:.1f} are available; give the studio more with "
+                    "--max-memory",
+                    name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most) / kMebibyte));
+}
+
 const std::string& Request::text(const char* field) const {
     const Json* found = find_field(fields, field);
     if (found == nullptr || !found->is_string())
@@ -118,19 +129,15 @@ Json make_state(Studio& studio) {
     const auto makers = document.makers();
     Json objects = Json::array();
     for (const auto& [name, object] : document.scene().state().objects) {
-        if (name.first == ObjectKind::material) continue;  // the page shows shapes
         const ObjectNotes::Note& note = studio.notes.of(object);
-        const auto& box = note.bounds;
+        const auto [low, high] = note.bounds.value_or(std::pair(Vec3d{}, Vec3d{-1, -1, -1}));
         const ObjectCount count = count_elements(*object);
-        Json bounds = nullptr;
-        if (box)
-            bounds = {box->first.x, box->first.y, box->first.z, box->second.x, box->second.y, box->second.z};
         const auto maker = makers.find(name);
         objects.push_back({{"kind", name_of(name.first)},
                            {"name", name.second},
                            {"version", note.version},
                            {"statement", maker == makers.end() ? 0 : maker->second},
-                           {"bounds", bounds},
+                           {"bounds", {low.x, low.y, low.z, high.x, high.y, high.z}},
                            {"count", count.count},
                            {"unit", count.unit}});
     }
@@ -188,11 +195,12 @@ class StudioSession::State {
     State(const StudioOptions& options, BlobStore& blobs, Frames frames)
         : relay_(blobs, MemoryBudget(options.scene.max_memory).growth),
           studio_(settled(options, relay_), blobs, std::move(frames)) {
-        for (const auto& requests : {studio_internal::document_requests(), studio_internal::view_requests(),
-                                     studio_internal::preview_requests(), studio_internal::check_requests(),
-                                     studio_internal::picture_requests(), studio_internal::file_requests(),
-                                     studio_internal::menu_requests(), studio_internal::sketch_requests(),
-                                     studio_internal::motion_requests()})
+        for (const auto& requests :
+             {studio_internal::document_requests(), studio_internal::view_requests(),
+              studio_internal::preview_requests(), studio_internal::check_requests(),
+              studio_internal::picture_requests(), studio_internal::file_requests(),
+              studio_internal::menu_requests(), studio_internal::sketch_requests(),
+              studio_internal::motion_requests(), studio_internal::material_requests()})
             handlers_.insert(requests.begin(), requests.end());
         open();
     }

@@ -96,6 +96,8 @@ struct Studio {
     }
     /// Throws InvalidInput if the objects of the document and that many bytes together exceed the limit.
     void reserve(double bytes) const;
+    /// Throws InvalidInput if a blob of that many bytes would leave no room for others.
+    void check_size(std::uint64_t bytes, const std::string& name) const;
 };
 
 /// A request and its client.
@@ -129,6 +131,7 @@ std::map<std::string, Handler> file_requests();
 std::map<std::string, Handler> menu_requests();
 std::map<std::string, Handler> sketch_requests();
 std::map<std::string, Handler> motion_requests();
+std::map<std::string, Handler> material_requests();
 /// @}
 
 /// Returns the path for writing a file of that name. Throws IoError if the folder sandbox refuses it, or if

@@ -8,6 +8,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/progress.h"
 #include "coppice/scene/animation/animation.h"
+#include "coppice/scene/drawn_material.h"
 #include "coppice/scene/mesh_memory.h"
 #include "coppice/studio/session_internal.h"
 
@@ -71,6 +72,8 @@ class MotionRequest {
         options_.wind = call_.options<WindOptions>("wind");
         options_.mesh = call_.options<MeshOptions>("mesh");
         options_.picture = call_.options<RenderOptions>("picture");
+        if (const std::string material = request.text("material", ""); !material.empty())
+            use(studio.object(ObjectKind::material, material));
         check_animation(options_, has_keys());
     }
 
@@ -81,6 +84,13 @@ class MotionRequest {
     /// Equal for two requests of the same motion of equal trees.
     std::string text() const { return call_.typed() + "\n" + keys_; }
     void reserve(double bytes) const { call_.reserve(bytes); }
+    /// Returns the images of the material for a file; none without a material.
+    MaterialFiles images(const fs::path& file) const {
+        if (!material_) return {};
+        const auto& material = std::get<SurfaceMaterial>(material_->value);
+        if (material.bark) reserve(kBytesOfDrawnTexel * static_cast<double>(material.bark->size()));
+        return write_images(material, file, ctx_);
+    }
 
     Motion motion() const {
         std::optional<Keyframes> keys;
@@ -101,12 +111,22 @@ class MotionRequest {
         static const SceneCommand command = animation_command();
         return command;
     }
+    /// Gives the surface the bark of a material.
+    void use(ObjectPtr material) {
+        material_ = std::move(material);
+        TextureOptions& texture = options_.mesh.texture;
+        texture.coordinates = TextureCoordinates::bark;
+        if (const auto tile = std::get<SurfaceMaterial>(material_->value).tile) {
+            texture.tile = tile->width;
+            texture.tile_height = tile->height;
+        }
+    }
     bool has_keys() const { return keys_.find_first_not_of(" \t\r\n") != std::string::npos; }
 
     const Studio& studio_;
     const Context& ctx_;
     std::string name_;
-    ObjectPtr object_;
+    ObjectPtr object_, material_;  ///< `material_` may be null
     std::string keys_;
     std::vector<SceneWord> words_;
     SceneCall call_;
@@ -151,8 +171,9 @@ class FrameFiles {
     std::vector<fs::path> paths_, new_;
 };
 
-FrameSinks sinks_to(const FrameFiles& files, const FrameSeries& series, const QuadMesh& frame,
+FrameSinks sinks_to(const FrameFiles& files, FrameSeries series, const QuadMesh& frame,
                     const MotionRequest& motion_request) {
+    series.material = motion_request.images(files.path());
     motion_request.reserve(memory_of_sink(files.path(), series, frame));
     FrameSinks sinks;
     sinks.push_back(open_sink(files.path(), series));

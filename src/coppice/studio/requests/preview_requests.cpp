@@ -95,8 +95,8 @@ Json preview(Studio& studio, const Request& request) {
     const SceneObjects& made = preview.scene.state().objects;
     for (const Document::Name& name : preview.changed) {
         const auto found = made.find(name);
-        if (found == made.end() || name.first == ObjectKind::mesh)
-            continue;  // removed, or made from shown objects
+        if (found == made.end() || name.first == ObjectKind::mesh || name.first == ObjectKind::material)
+            continue;  // removed, made from shown objects, or without a shape
         send_object(studio, request, name, found->second, seq);
         studio.previewed.insert(name);
     }

@@ -59,25 +59,13 @@ std::string encode_cage(const Skeleton& tree, const GeometryHead& head) {
     return encode_object(object, head, kCoarseCells, StudioColor::plain, {});
 }
 
-/// Geometry needs about as much memory as its object.
-void check_size(const Studio& studio, std::uint64_t bytes, const std::string& name) {
-    constexpr std::uint64_t kAtOnce = 4;  // two that are computed, and as much that is stored
-    constexpr double kMebibyte = 1 << 20;
-    const std::uint64_t most = studio.shares.blobs / kAtOnce;
-    if (bytes <= most) return;
-    throw InvalidInput(
-        fmt::format("showing '{}' would take {:.1f} MiB, and {:.1f} are available; give the studio more with "
-                    "--max-memory",
-                    name, static_cast<double>(bytes) / kMebibyte, static_cast<double>(most) / kMebibyte));
-}
-
 Json show(Studio& studio, const Request& request) {
     const ObjectKind kind = request.kind();
     const std::string& name = request.text("name");
     const ObjectPtr object = studio.object(kind, name);
     const std::string form = request.text("form", "coarse");
     if (kind == ObjectKind::skeleton && form == "surface") return show_surface(studio, request, object);
-    check_size(studio, object->bytes, name);
+    studio.check_size(object->bytes, name);  // the geometry needs about as much memory as the object
     const StudioColor color = get_color(request);
     const GeometryHead head{kind, name, studio.notes.of(object).version, {}};
     const std::string key = fmt::format("{}-{}-{}", head.version, form, name_of(color));
@@ -106,8 +94,8 @@ Json slice(Studio& studio, const Request& request) {
     options.at = request.number("at");
     options.size = static_cast<int>(request.count("size", static_cast<std::size_t>(options.size)));
     check_slice(options);
-    check_size(studio, sizeof(float) * static_cast<std::uint64_t>(options.size * options.size),
-               "a slice of " + name);
+    studio.check_size(sizeof(float) * static_cast<std::uint64_t>(options.size * options.size),
+                      "a slice of " + name);
     const GeometryHead head{ObjectKind::solid, name, studio.notes.of(object).version, {}};
     const std::string key = fmt::format("{}-slice-{}-{}-{}", head.version, axis, options.at, options.size);
     return offer(studio, key, object, [=](const SceneObject& shown) {

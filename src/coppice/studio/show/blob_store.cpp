@@ -31,8 +31,9 @@ BlobStore::Entry& BlobStore::put(const std::string& key) {
 
 void BlobStore::offer(const std::string& key, Make make) {
     const std::scoped_lock lock(mutex_);
-    if (by_key_.contains(key)) return;
-    put(key).make = std::move(make);
+    const auto found = by_key_.find(key);
+    Entry& entry = found == by_key_.end() ? put(key) : *found->second;
+    entry.make = std::move(make);
     forget_old();
 }
 

@@ -25,7 +25,8 @@ class BlobStore {
     /// most two are being computed at a time.
     explicit BlobStore(std::uint64_t max_bytes = std::uint64_t{256} << 20) : max_bytes_(max_bytes) {}
 
-    /// Offers a result that is computed by the first thread that requests it. Does nothing if the key exists.
+    /// Offers a result that is computed by the first thread that requests it. For a key that exists, it
+    /// replaces the computation; a result that is stored remains.
     void offer(const std::string& key, Make make);
     /// Offers an existing result under a new key.
     std::string offer(std::string bytes);

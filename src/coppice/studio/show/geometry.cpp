@@ -13,6 +13,7 @@
 #include "coppice/implicit/polygonize/polygonize.h"
 #include "coppice/implicit/solid/solid_field.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/mesh/texture_table.h"
 #include "coppice/skeleton/architecture.h"
 
 namespace coppice {
@@ -33,6 +34,9 @@ void append_number(std::string& out, std::uint32_t n) {
 
 std::span<const float> floats(std::span<const Vec3> v) {
     return {reinterpret_cast<const float*>(v.data()), 3 * v.size()};
+}
+std::span<const float> floats(std::span<const TexturePoint> p) {
+    return {reinterpret_cast<const float*>(p.data()), 2 * p.size()};
 }
 
 /// Adds the normal of a face, weighted by its area, to its corners.
@@ -65,18 +69,30 @@ std::span<const std::uint32_t> numbers(std::span<const Triangle> triangles) {
     return {reinterpret_cast<const std::uint32_t*>(triangles.data()), kCornersOfTriangle * triangles.size()};
 }
 
-std::vector<std::int8_t> compute_normals(std::span<const Vec3> positions, std::span<const Quad> quads,
-                                         std::span<const Triangle> triangles) {
+std::vector<Vec3> compute_normals(std::span<const Vec3> positions, std::span<const Quad> quads,
+                                  std::span<const Triangle> triangles) {
     std::vector<Vec3> out(positions.size());
     for (const Quad& q : quads) add_face_normal(positions, q, out);
     for (const Triangle& t : triangles) add_face_normal(positions, t, out);
-    return packed(out);
+    return out;
 }
 
+/// A surface is smooth at its texture seams: all places of a vertex have the same normal.
+void merge_normals(std::vector<Vec3>& normals, const TextureTable& table) {
+    std::vector<Vec3> sums(*std::ranges::max_element(table.vertex) + 1);
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        sums[table.vertex[i]] = sums[table.vertex[i]] + normals[i];
+    normals = divide_at_seams(std::span<const Vec3>(sums), table);
+}
+
+/// `texture` is the table by which the vertices were divided at texture seams; null without texture.
 void add_surface(GeometryWriter& writer, std::span<const Vec3> positions, std::span<const Quad> quads,
-                 std::span<const Triangle> triangles) {
+                 std::span<const Triangle> triangles, const TextureTable* texture = nullptr) {
+    std::vector<Vec3> normals = compute_normals(positions, quads, triangles);
+    if (texture != nullptr) merge_normals(normals, *texture);
     writer.add("position", floats(positions), 3);
-    writer.add("normal", compute_normals(positions, quads, triangles), 4);
+    writer.add("normal", packed(normals), 4);
+    if (texture != nullptr) writer.add("uv", floats(texture->places), 2);
     if (!quads.empty()) writer.add("quads", numbers(quads), kCornersOfQuad);
     if (!triangles.empty()) writer.add("triangles", numbers(triangles), kCornersOfTriangle);
 }
@@ -193,7 +209,36 @@ std::string encode_axes(const SceneObject& object, const GeometryHead& head, Stu
     return writer.finish();
 }
 
+/// Encodes a surface with texture coordinates, divided at its texture seams.
+std::string encode_textured(const Surface& surface, std::span<const TexturePoint> texture,
+                            const GeometryHead& head) {
+    PolygonMesh mesh = make_polygons(surface);
+    TextureTable table = make_texture_table(mesh.corners, texture, mesh.positions.size());
+    const std::vector<Vec3> positions = divide_at_seams(std::span<const Vec3>(mesh.positions), table);
+    GeometryWriter writer("surface", head, mesh.origin);
+    if (std::holds_alternative<QuadMesh>(surface.mesh)) {
+        const std::span<const Quad> quads{reinterpret_cast<const Quad*>(table.of_corner.data()),
+                                          table.of_corner.size() / kCornersOfQuad};
+        add_surface(writer, positions, quads, {}, &table);
+    } else {
+        mesh.positions.assign(positions.begin(), positions.end());
+        mesh.corners = std::move(table.of_corner);
+        add_surface(writer, positions, {}, triangulate(mesh).triangles, &table);
+    }
+    return writer.finish();
+}
+
+/// Returns the texture coordinates of a surface with a material; otherwise they are not displayed.
+std::span<const TexturePoint> find_texture(const Surface& surface) {
+    if (!surface.material) return {};
+    const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
+    if (surface.texture.empty() && polygons != nullptr) return polygons->texture;
+    return surface.texture;
+}
+
 std::string encode(const Surface& surface, const GeometryHead& head) {
+    if (const auto texture = find_texture(surface); !texture.empty())
+        return encode_textured(surface, texture, head);
     if (const auto* quads = std::get_if<QuadMesh>(&surface.mesh)) {
         GeometryWriter writer("surface", head, quads->origin);
         add_surface(writer, quads->positions, quads->quads, {});
@@ -363,7 +408,7 @@ ObjectCount count_elements(const SceneObject& object) {
     if (const auto* solid = std::get_if<Solid>(&object.value)) return {solid->part_count(), "parts"};
     if (const auto* profile = std::get_if<Profile>(&object.value))
         return {profile->contours().size(), "contours"};
-    if (object.kind() == ObjectKind::material) return {1, "materials"};
+    if (object.kind() == ObjectKind::material) return {0, ""};
     return {std::get<Curve>(object.value).span_count(), "pieces"};
 }
 
