@@ -36,6 +36,7 @@ export interface Engine {
     endPreview(): Promise<void>;
     cancel(): void;
     blob(key: string, stop?: AbortSignal): Promise<Geometry>;
+    image(key: string): Promise<Blob>; // PNG or JPEG
     file(name: string): Promise<Blob>;
     upload(name: string, data: Blob, overwrite?: boolean): Promise<{ file: string; bytes: number }>;
 }

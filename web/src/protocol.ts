@@ -1,6 +1,6 @@
 // The protocol between page and server: docs/library/studio-protocol.md.
 
-export type Kind = "solid" | "path" | "profile" | "points" | "skeleton" | "mesh";
+export type Kind = "solid" | "path" | "profile" | "points" | "skeleton" | "mesh" | "material";
 export type Point = [number, number, number];
 
 export interface ObjectName {
@@ -17,7 +17,7 @@ export interface Statement {
 export interface SceneObject extends ObjectName {
     version: number; // changes when the object changes
     statement: number; // number of the statement that changed it last
-    bounds: [number, number, number, number, number, number]; // [m] minimum, maximum
+    bounds: [number, number, number, number, number, number]; // [m] minimum, maximum; of objects without an extent, as materials, the minimum is larger
     count: number;
     unit: string; // unit of the count: "nodes"
 }

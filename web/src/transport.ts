@@ -48,6 +48,7 @@ type Reply = { re: number; ok: boolean; error?: string; kind?: ErrorKind; warnin
 // Requests that change nothing may wait for a lost connection to return; others are refused during that time.
 const kHarmless = new Set([
     "show",
+    "material",
     "slice",
     "schema",
     "help",
@@ -159,13 +160,11 @@ export class Transport implements Engine {
     }
 
     async blob(key: string, stop?: AbortSignal): Promise<Geometry> {
-        ++this.fetching;
-        try {
-            const response = await this.http(`/blob/${encodeURIComponent(key)}`, { signal: stop });
-            return parseGeometry(await response.arrayBuffer());
-        } finally {
-            --this.fetching;
-        }
+        return parseGeometry(await this.fetchBlob(key, (response) => response.arrayBuffer(), stop));
+    }
+
+    image(key: string): Promise<Blob> {
+        return this.fetchBlob(key, (response) => response.blob());
     }
 
     async file(name: string): Promise<Blob> {
@@ -181,6 +180,15 @@ export class Transport implements Engine {
     /** Whether all responses have arrived. */
     get idle(): boolean {
         return this.pending.size === 0 && this.fetching === 0;
+    }
+
+    private async fetchBlob<T>(key: string, read: (response: Response) => Promise<T>, stop?: AbortSignal): Promise<T> {
+        ++this.fetching;
+        try {
+            return await read(await this.http(`/blob/${encodeURIComponent(key)}`, { signal: stop }));
+        } finally {
+            --this.fetching;
+        }
     }
 
     private async http(path: string, init: RequestInit = {}): Promise<Response> {

@@ -95,8 +95,8 @@ const state: State = {
 test("one statement of a document is replaced, and the others are unchanged", () => {
     assert.equal(findControls(state, { kind: "path", name: "spine" }, ["path"])?.statement, 1);
     assert.equal(findControls(state, { kind: "path", name: "other" }, ["path"]), null);
-    assert.equal(documentText(state, -1, ""), "# a crown\n\npath spine 0,0,0 \\\n  0,0,2\n\nsphere s\n");
-    assert.equal(documentText(state, 1, "path spine 0,0,0 0,0,3"), "# a crown\n\npath spine 0,0,0 0,0,3\n\nsphere s\n");
+    assert.equal(documentText(state, new Map()), "# a crown\n\npath spine 0,0,0 \\\n  0,0,2\n\nsphere s\n");
+    assert.equal(documentText(state, new Map([[1, "path spine 0,0,0 0,0,3"]])), "# a crown\n\npath spine 0,0,0 0,0,3\n\nsphere s\n");
 });
 
 test("a profile has a plane with two axes", () => {

@@ -67,8 +67,8 @@ test("a question has a label, a proposed value and its argument", () => {
 
 test("an item requires an object of a kind that its command accepts", () => {
     assert.deepEqual(requestedKinds(kSchema, "mesh ${object}"), ["skeleton"]);
-    assert.equal(requestedKinds(kSchema, "translate ${object} 0 0 1")?.length, 6);
-    assert.equal(requestedKinds(kSchema, "no_such_command ${object}")?.length, 6);
+    assert.equal(requestedKinds(kSchema, "translate ${object} 0 0 1")?.length, 7);
+    assert.equal(requestedKinds(kSchema, "no_such_command ${object}")?.length, 7);
     assert.equal(requestedKinds(kSchema, "sphere ${new crown}"), null);
 });
 

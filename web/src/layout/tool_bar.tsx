@@ -24,6 +24,7 @@ const kSuits: Record<Kind | "nothing", Group[]> = {
     points: ["points"],
     skeleton: ["branch", "compose"],
     mesh: [],
+    material: [],
 };
 
 function ToolButton({ studio, tool, held }: { studio: Studio; tool: Tool; held: boolean }): VNode {

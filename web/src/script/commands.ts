@@ -92,7 +92,8 @@ export function bind(command: Command, words: readonly Word[]): { bound: Bound[]
     return { bound, unknown: [...unknown, ...plain.slice(at)] };
 }
 
-const kKinds: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh"];
+/** All kinds of objects. */
+export const kKinds: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh", "material"];
 
 /** The kinds of objects that an argument accepts, the most probable first. */
 export function kindsOf(argument: Argument): readonly Kind[] {

@@ -17,7 +17,7 @@ const kOnlyLook = new Set(["describe", "delete", "edit select", "save", "save po
 
 /** The kind of the object that a new name refers to, if it is known; empty otherwise. */
 export function newKind(argument: Argument): readonly Kind[] {
-    const kind = /\bnew (solid|path|profile|points|skeleton|mesh)\b/.exec(argument.help)?.[1];
+    const kind = /\bnew (solid|path|profile|points|skeleton|mesh|material)\b/.exec(argument.help)?.[1];
     return kind ? [kind as Kind] : [];
 }
 

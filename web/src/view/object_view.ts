@@ -7,6 +7,7 @@ import type { Coloring, Display } from "./display";
 import { treeOf } from "./extent";
 import { type Drawable, drawBones, drawCage, drawCurve, drawPoints } from "./marks";
 import { withTriangles } from "./picking/indexer";
+import { type HeldMaps, setMaps } from "./materials";
 import { edgeLines } from "./picking/triangles";
 import { SurfaceModel } from "./surface";
 import type { Theme } from "./theme";
@@ -41,6 +42,7 @@ export class ObjectView {
     surface: SurfaceModel | null = null;
     isWood: boolean; // bark material instead of plaster
     source: ObjectView | null = null; // of a mesh: its source skeleton; its branches are picked on the mesh
+    private images: HeldMaps | null = null; // of its material
     private tubes: TubeModel | null = null;
     private tubesRange: Range | null = null;
     private bones: Drawable | null = null;
@@ -91,6 +93,14 @@ export class ObjectView {
         this.geometries.set("surface", this.surface.geometry());
         this.apply(look);
         return true;
+    }
+
+    /** Draws the surface with the images of a material, which it releases when it no longer needs them. */
+    dress(images: HeldMaps | null, look: Look): void {
+        const before = this.images;
+        this.images = images;
+        this.apply(look);
+        before?.release();
     }
 
     drop(slot: Slot): void {
@@ -204,6 +214,7 @@ export class ObjectView {
     dispose(): void {
         this.group.removeFromParent();
         this.dropSurface();
+        this.images?.release();
         this.dropTubes();
         this.marks.forEach((drawn) => drawn.dispose());
         this.marks.clear();
@@ -269,8 +280,9 @@ export class ObjectView {
         material.clipShadows = isCut;
         if (material === this.surface?.mesh.material) {
             material.vertexColors = this.surface.mesh.geometry.hasAttribute("color");
+            setMaps(this.surface.mesh.material, this.showsImages(look) ? (this.images?.maps ?? {}) : {});
         }
-        material.color.set(material.vertexColors ? "white" : this.baseColor(look));
+        material.color.set(material.vertexColors || material.map ? "white" : this.baseColor(look));
         const mesh = material === this.surface?.mesh.material ? this.surface.mesh : this.tubes?.mesh;
         if (mesh) {
             mesh.castShadow = !isGlass;
@@ -279,6 +291,10 @@ export class ObjectView {
         material.polygonOffset = look.display.wireframe.peek(); // offset for the lines
         material.polygonOffsetFactor = 1;
         material.polygonOffsetUnits = 1;
+    }
+
+    private showsImages({ display }: Look): boolean {
+        return display.color.peek() === "plain" && this.surface?.mesh.geometry.hasAttribute("uv") === true;
     }
 
     private baseColor({ theme, display }: Look): string {

@@ -6,6 +6,7 @@ import type { GeometryHeader, Kind, ObjectName, SceneObject } from "../protocol"
 import type { Range } from "./colors";
 import type { Display } from "./display";
 import { Fetcher } from "./fetcher";
+import { Materials } from "./materials";
 import { keyOf, type Look, ObjectView, type Slot } from "./object_view";
 import { meshSources } from "./sources";
 import { requestedColor, union } from "./values";
@@ -21,7 +22,8 @@ const kSlotOf: Record<GeometryHeader["kind"], Slot> = {
     curve: "curve",
 };
 
-const kSlotOfKind: Record<Kind, Slot> = {
+// Materials have no shape.
+const kSlotOfKind: Record<Exclude<Kind, "material">, Slot> = {
     solid: "surface",
     mesh: "surface",
     skeleton: "axes",
@@ -50,6 +52,7 @@ export class Objects {
     readonly group = new THREE.Group();
     private readonly entries = new Map<string, Entry>();
     private readonly fetcher: Fetcher;
+    private readonly materials: Materials;
     private readonly held = new Set<string>(); // slots with the geometry of a preview
     private readonly reported = new Set<string>(); // errors that were already reported
 
@@ -61,6 +64,7 @@ export class Objects {
         private readonly changed: () => void,
     ) {
         this.fetcher = new Fetcher(engine);
+        this.materials = new Materials(engine);
     }
 
     shown(object: ObjectName): ObjectView | undefined {
@@ -107,7 +111,7 @@ export class Objects {
     }
 
     get busy(): boolean {
-        return this.fetcher.busy;
+        return this.fetcher.busy || this.materials.busy;
     }
 
     /** Receives geometry of a preview or of its end. */
@@ -186,6 +190,9 @@ export class Objects {
     }
 
     private requestGeometry(object: SceneObject): void {
+        if (object.kind === "material") {
+            return;
+        }
         const entry = this.entry(object);
         const slot = kSlotOfKind[object.kind];
         const color = this.display.color.peek();
@@ -318,7 +325,24 @@ export class Objects {
             this.markCurrent(entry);
             this.cover();
         }
+        if (object.kind === "mesh" && geometry) {
+            void this.dress(entry, object, geometry);
+        }
         this.changed();
+    }
+
+    // The images are requested for each version of a mesh; those that it has already are kept until then.
+    private async dress(entry: Entry, object: SceneObject, geometry: Geometry): Promise<void> {
+        try {
+            const images = geometry.arrays.uv ? await this.materials.take(object.name) : null;
+            if (this.entries.get(keyOf(object)) === entry && entry.surfaceOf === object.version) {
+                entry.shown.dress(images, this.look());
+            } else {
+                images?.release(); // a newer version requests its own
+            }
+        } catch (error) {
+            this.complain(object, "cannot be shown with its material", error as Error);
+        }
     }
 
     private failed(order: Order, error: Error): void {
@@ -329,13 +353,18 @@ export class Objects {
             entry.requested.delete(slot); // the next state repeats the request
             return;
         }
-        const complaint = `The ${object.kind} ${object.name} cannot be shown with these settings: ${error.message}`;
+        this.complain(object, "cannot be shown with these settings", error);
+        if ((fields.color ?? "plain") !== "plain") {
+            this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // the fallback is a view without colours
+        }
+    }
+
+    // Reports a fault of an object once.
+    private complain({ kind, name }: ObjectName, fault: string, { message }: Error): void {
+        const complaint = `The ${kind} ${name} ${fault}: ${message}`;
         if (!this.reported.has(complaint)) {
             this.reported.add(complaint);
             this.store.notify(complaint, "warning");
-        }
-        if ((fields.color ?? "plain") !== "plain") {
-            this.fetch({ ...order, fields: { ...fields, color: "plain" } }); // the fallback is a view without colours
         }
     }
 

@@ -2,6 +2,7 @@
 import type { Store } from "../app";
 import type { State } from "../protocol";
 import { meshSource } from "../script/names";
+import { readCall } from "../script/values";
 
 const kKnown = new WeakMap<State, ReadonlyMap<string, string>>();
 
@@ -23,4 +24,14 @@ export function meshSources(store: Store): ReadonlyMap<string, string> {
     }
     kKnown.set(state, sources);
     return sources;
+}
+
+/** The material of the mesh of a skeleton; undefined if it has none. */
+export function barkOf(store: Store, skeleton: string): string | undefined {
+    const { objects, statements } = store.state.peek();
+    const sources = meshSources(store);
+    return objects
+        .filter(({ kind, name }) => kind === "mesh" && sources.get(name) === skeleton)
+        .flatMap(({ statement }) => readCall(store.schema.peek(), statements[statement]?.text ?? "")?.values.material ?? [])
+        .find((material) => store.find("material", material));
 }

@@ -17,6 +17,7 @@ export class SurfaceModel {
     readonly group = new THREE.Group();
     readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
     private lines: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial> | null = null;
+    private readonly uv: Float32Array | undefined; // of surfaces with a material
     private position: Float32Array;
     private normal: Int8Array;
     private quads: Uint32Array;
@@ -42,6 +43,7 @@ export class SurfaceModel {
         this.vertexCount = this.position.length / 3;
         this.quadCount = this.quads.length / 4;
         this.index = index && this.triangles.length === 0 ? index : this.makeIndex();
+        this.uv = arrays.uv as Float32Array | undefined;
         this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
         this.mesh.frustumCulled = false;
         this.mesh.castShadow = true;
@@ -212,6 +214,9 @@ export class SurfaceModel {
         const changing = (attribute: THREE.BufferAttribute) => attribute.setUsage(THREE.DynamicDrawUsage);
         geometry.setAttribute("position", changing(new THREE.BufferAttribute(this.position, 3)));
         geometry.setAttribute("normal", changing(new THREE.BufferAttribute(this.normal, 4, true)));
+        if (this.uv) {
+            geometry.setAttribute("uv", new THREE.BufferAttribute(this.uv, 2)); // patches are only for surfaces without it
+        }
         geometry.setIndex(changing(new THREE.BufferAttribute(this.index, 1)));
         geometry.setDrawRange(0, this.triangles.length + 6 * this.quadCount);
     }

@@ -310,7 +310,7 @@ export class View3D implements View {
         const { objects, running } = this.store.state.peek();
         const hidden = this.store.hidden.peek();
         const isGrowing = this.store.grown.peek() !== null && (running !== null || this.store.keepsGrowthPreview.peek());
-        const hasInside = isGrowing || objects.some((object) => object.kind !== "solid" && !hidden.has(keyOf(object)));
+        const hasInside = isGrowing || objects.some((object) => !["solid", "material"].includes(object.kind) && !hidden.has(keyOf(object)));
         return solids === "glass" || (solids === "auto" && hasInside);
     }
 
@@ -358,7 +358,7 @@ export class View3D implements View {
     private measureScene(): void {
         this.box.copy(this.boxOf());
         this.box.getBoundingSphere(this.around);
-        const { objects } = this.store.state.peek();
+        const objects = this.store.state.peek().objects.filter(({ kind }) => kind !== "material");
         const hidden = this.store.hidden.peek();
         const isSeen = this.rig.sees(this.around);
         const isDrawn = isSeen && this.store.tool.peek() !== "select"; // created by hand where the camera looks: the camera does not move

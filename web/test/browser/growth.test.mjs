@@ -495,3 +495,41 @@ test("trees are composed of branches: seeds are chosen by pictures, then the rep
     await lineOf("compose", /seed=9\b/);
     await assertNoErrors(page);
 });
+
+test("a surface gets a bark as one change, is drawn with its images, and loses it", async () => {
+    await begin(page, "limb tree 0,0,0 0,0,1 0,0,2 0,0,3 radius=0.4", "mesh tree levels=0");
+    const plain = ["limb tree 0,0,0 0,0,1 0,0,2 0,0,3 radius=0.4", "mesh tree levels=0"];
+    const barked = (species) => [plain[0], `material bark ${species}`, "mesh tree levels=0 uv=bark material=bark"];
+    const textures = () => page.evaluate(() => globalThis.coppice.view.memory.textures);
+    await select(page, "mesh", "tree");
+    await openPanel(page, "Growth");
+    const bare = await picture(page);
+    const before = await textures();
+    const bark = page
+        .locator("#step-surface label")
+        .filter({ has: page.getByText("Bark", { exact: true }) })
+        .locator("select");
+    assert.equal(await bark.inputValue(), "");
+    await bark.selectOption("oak");
+    await untilLines(page, barked("oak"));
+    const oak = await picture(page);
+    assertDiffer(bare, oak, "the bark is drawn", 500);
+    assert.equal((await textures()) - before, 4, "it has images of colour, normals, roughness and occlusion");
+    assert.equal(await bark.inputValue(), "oak");
+    await bark.selectOption("birch");
+    await untilLines(page, barked("birch"));
+    assertDiffer(oak, await picture(page), "another bark is drawn", 500);
+    assert.equal((await textures()) - before, 4, "the images of oak are released");
+    await page.evaluate(() => globalThis.coppice.command("undo"));
+    await untilLines(page, barked("oak"));
+    assert.deepEqual(await picture(page), oak);
+    await page.evaluate(() => globalThis.coppice.command("undo"));
+    await untilLines(page, plain);
+    await bark.selectOption("oak");
+    await untilLines(page, barked("oak"));
+    await bark.selectOption("none");
+    await untilLines(page, plain);
+    assertDiffer(oak, await picture(page), "the bark is no longer drawn", 500);
+    assert.equal(await textures(), before);
+    await assertNoErrors(page);
+});

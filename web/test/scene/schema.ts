@@ -77,7 +77,16 @@ export const schema: Command[] = [
         argument("tree", "object", { ...first, kind: "skeleton" }),
         argument("name", "new_name", { positional: true, default: "@tree", help: "Name of the new mesh." }),
         argument("levels", "whole", { default: "2", low: 0, high: 6 }),
+        argument("uv", "choice", { choices: ["none", "bark", "atlas"], default: "none" }),
+        argument("material", "object", { kind: "material" }),
+        argument("displace", "flag", { default: "false" }),
     ]),
+    command("material", [
+        argument("name", "new_name", newName("material")),
+        argument("species", "choice", { ...first, choices: ["oak", "pine"] }),
+        argument("width", "whole", { low: 1, high: 4096 }),
+    ]),
+    command("loadmaterial", [argument("name", "new_name", newName("material")), argument("file", "input_file", first)]),
     command("edit prune", [
         argument("tree", "object", { ...first, kind: "skeleton" }),
         argument("nodes", "selection", { positional: true, default: "all" }),

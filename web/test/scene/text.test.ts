@@ -86,7 +86,7 @@ test("words are assigned to arguments as in the engine", () => {
     assert.deepEqual(boundNames("scale s 50 80 50"), ["solid:s", "factor:50 80 50"]);
     assert.deepEqual(boundNames("pointset gen s poisson count=5"), ["count:5", "solid:s", "pattern:poisson"]);
     assert.equal(findCommand(schema, readLine("pointset").words), null);
-    assert.deepEqual(kindsOf(called("copy").arguments[0]).length, 6);
+    assert.deepEqual(kindsOf(called("copy").arguments[0]).length, 7);
     assert.deepEqual(kindsOf(called("scale").arguments[0]), ["solid", "skeleton"]);
     assert.equal(usage(called("mesh")), "mesh TREE [NAME] [OPTION=VALUE...]");
 });

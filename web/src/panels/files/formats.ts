@@ -38,6 +38,7 @@ const kHolds: Record<Kind, readonly Holds[]> = {
     points: ["points"],
     path: [],
     profile: [],
+    material: [],
 };
 
 /** Returns whether objects of a kind can be written. */

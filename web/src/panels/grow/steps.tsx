@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import type { SceneObject } from "../../protocol";
 import { tracked } from "../../use";
 import { checking, isOf, lastCheck } from "../display/checks";
+import { BarkField } from "./bark";
 import type { Card } from "./card";
 import { CommandCard } from "./command_card";
 import type { GrowthModel } from "./model";
@@ -111,6 +112,7 @@ const SurfaceStep = tracked(({ model }: { model: GrowthModel }) => {
             disabled={card.busy.value || !hasTree}
         >
             <CommandCard card={card} main={kMain.mesh}>
+                <BarkField card={card} />
                 <Verdict mesh={mesh ?? undefined} />
                 <ShownBox app={app} object={tree ? { kind: "skeleton", name: tree } : null} label="Show the editable tree" />
                 <ShownBox app={app} object={target} label="Show the surface" />

@@ -1,6 +1,6 @@
 // Lines of menu items: the text that the page inserts before they run.
 import type { Argument, Command, Kind } from "../../protocol";
-import { bind, findCommand, kindsOf, numbersIn } from "../../script/commands";
+import { bind, findCommand, kindsOf, kKinds, numbersIn } from "../../script/commands";
 import { written } from "../../script/values";
 import { isComputed, readLine } from "../../script/words";
 import { newName } from "../../tools/kit/words";
@@ -43,7 +43,7 @@ export function requestedKinds(schema: readonly Command[], line: string): readon
     const parts = partsOf(line);
     const found = argumentsOf(schema, parts).filter((_, at) => parts[at].is === "object");
     const kinds = found.map((argument) => (argument ? kindsOf(argument) : null));
-    return found.length === 0 ? null : (kinds.find((some) => some !== null && some.length > 0) ?? ["solid", "path", "profile", "points", "skeleton", "mesh"]);
+    return found.length === 0 ? null : (kinds.find((some) => some !== null && some.length > 0) ?? kKinds);
 }
 
 export interface Filling {

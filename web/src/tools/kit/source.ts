@@ -50,23 +50,27 @@ export function findControls(state: State, object: ObjectName, commands: readonl
     return controls?.name === object.name ? controls : null;
 }
 
-/** The text of the document with one statement changed. Blank lines between statements are preserved. */
-export function documentText(state: State, changed: number, text: string): string {
+/** The text of the document with changed statements; null removes one. Blank lines between statements are preserved. */
+export function documentText(state: State, changes: ReadonlyMap<number, string | null>): string {
     let out = "";
     let line = 1;
-    let grown = 0; // number of lines that the changed statement has gained
+    let grown = 0; // number of lines that the changed statements have gained
     state.statements.forEach((statement, i) => {
         for (; line < statement.line + grown; ++line) {
             out += "\n";
         }
-        const now = i === changed ? text : statement.text.replace(/\n$/, "");
-        if (i === changed) {
-            grown += now.split("\n").length - statement.text.replace(/\n$/, "").split("\n").length;
-        }
-        out += `${now}\n`;
-        line += now.split("\n").length;
+        const before = `${statement.text.replace(/\n$/, "")}\n`;
+        const change = changes.get(i);
+        const now = change === undefined ? before : change === null ? "" : `${change}\n`;
+        out += now;
+        line += linesIn(now);
+        grown += linesIn(now) - linesIn(before);
     });
     return out;
+}
+
+function linesIn(text: string): number {
+    return text.split("\n").length - 1;
 }
 
 /**
@@ -75,7 +79,7 @@ export function documentText(state: State, changed: number, text: string): strin
  */
 export async function rewriteStatement(app: App, statement: number, text: string, name?: string, joins = name !== undefined): Promise<void> {
     const state = app.store.state.peek();
-    await app.engine.request("text", { text: documentText(state, statement, text), revision: state.revision, name, joins });
+    await app.engine.request("text", { text: documentText(state, new Map([[statement, text]])), revision: state.revision, name, joins });
 }
 
 interface Rewrite {

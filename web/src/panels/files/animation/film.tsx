@@ -5,6 +5,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { App } from "../../../app";
 import { ChoiceField, NumberField } from "../../../tools/kit/fields";
 import { useValue } from "../../../use";
+import { barkOf } from "../../../view/sources";
 import { openDialog, Dialog, ErrorText, useWork } from "../dialog";
 import { bytesText, download, nameError, withEnding, writing } from "../folder";
 import { RequestProgress } from "../progress";
@@ -55,7 +56,7 @@ function FilmDialog({ app, film, end }: { app: App; film: Film; end(): void }): 
         void work(async () => {
             const { options, ...motion } = motionFields(film);
             const picture = kPictures.has(chosen) ? { width: kWidth.peek(), height: kHeight.peek(), samples: kSamples.peek() } : {};
-            const fields = { ...motion, options: { ...options, ...picture, levels: kLevels.peek() }, file };
+            const fields = { ...motion, options: { ...options, ...picture, levels: kLevels.peek() }, material: barkOf(app.store, film.tree), file };
             const done = await writing(
                 app,
                 file,

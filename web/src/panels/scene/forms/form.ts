@@ -21,7 +21,7 @@ export interface Place {
     shows: boolean; // whether a preview of the new line after the object shows the effect of the change
 }
 
-const kSlow = new Set(["grow", "sprout", "compose", "extract", "mesh", "polygonize"]);
+const kSlow = new Set(["grow", "sprout", "compose", "extract", "mesh", "polygonize", "material"]);
 const kEditDelay = 250; // [ms] idle time after which a statement is rewritten
 
 /** Returns whether the command can be previewed. */

@@ -5,7 +5,7 @@ import { kindsOf } from "../../../script/commands";
 import { newKind } from "../../../script/names";
 import { defaultWord, type Values } from "../../../script/values";
 
-const kBases: Partial<Record<Kind, string>> = { skeleton: "tree", points: "points", path: "path", profile: "profile" };
+const kBases: Partial<Record<Kind, string>> = { skeleton: "tree", points: "points", path: "path", profile: "profile", material: "bark" };
 
 function likely(objects: readonly SceneObject[], kinds: readonly Kind[], selected: ObjectName | null): string | undefined {
     if (selected && kinds.includes(selected.kind)) {

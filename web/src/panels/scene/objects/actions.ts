@@ -1,6 +1,7 @@
 // Actions for an object; each ends as a line of the scene, or renames the object in all lines.
 import type { App } from "../../../app";
 import type { Kind, ObjectName } from "../../../protocol";
+import { kKinds } from "../../../script/commands";
 import { isObjectName, renamed } from "../../../script/names";
 import { textOf } from "../../../script/pieces";
 import { runLine } from "../../../tools/kit/gesture";
@@ -9,10 +10,13 @@ import { editorOf } from "../editor/session";
 import { idOf } from "./model";
 import { requestName } from "./rename";
 
-const kAll: readonly Kind[] = ["solid", "path", "profile", "points", "skeleton", "mesh"];
-
 function kindOf(app: App, object: ObjectName): { kind?: Kind } {
-    return kindOption(app.store.state.peek().objects, object, kAll);
+    return kindOption(app.store.state.peek().objects, object, kKinds);
+}
+
+/** Whether an object can be seen: a material has no shape. */
+export function isVisible({ kind }: ObjectName): boolean {
+    return kind !== "material";
 }
 
 export function isHidden(app: App, object: ObjectName): boolean {
@@ -21,7 +25,7 @@ export function isHidden(app: App, object: ObjectName): boolean {
 
 export function toggleHidden(app: App, object: ObjectName): void {
     const hidden = new Set(app.store.hidden.peek());
-    if (!hidden.delete(idOf(object))) {
+    if (!hidden.delete(idOf(object)) && isVisible(object)) {
         hidden.add(idOf(object));
     }
     app.store.hidden.value = hidden;

@@ -3,7 +3,7 @@ import type { VNode } from "preact";
 import { useLayoutEffect, useRef } from "preact/hooks";
 import type { App } from "../../../app";
 import type { ObjectName } from "../../../protocol";
-import { duplicate, isHidden, remove, rename, showLine, toggleHidden } from "./actions";
+import { duplicate, isHidden, isVisible, remove, rename, showLine, toggleHidden } from "./actions";
 
 interface Item {
     label: string;
@@ -12,9 +12,12 @@ interface Item {
 }
 
 function itemsOf(app: App, object: ObjectName): Item[] {
-    return [
+    const looks: Item[] = [
         { label: "Frame it", keys: "", run: () => app.view.frame([object]) },
         { label: isHidden(app, object) ? "Show" : "Hide", keys: "H", run: () => toggleHidden(app, object) },
+    ];
+    return [
+        ...(isVisible(object) ? looks : []),
         { label: "Rename…", keys: "F2", run: () => void rename(app, object) },
         { label: "Duplicate", keys: "Shift+D", run: () => void duplicate(app, object) },
         { label: "Show its line", keys: "", run: () => showLine(app, object) },

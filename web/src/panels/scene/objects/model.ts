@@ -19,6 +19,7 @@ export const kGroups: readonly (readonly [Kind, string])[] = [
     ["points", "Points"],
     ["skeleton", "Skeletons"],
     ["mesh", "Meshes"],
+    ["material", "Materials"],
     ["profile", "Profiles"],
     ["path", "Paths"],
 ];

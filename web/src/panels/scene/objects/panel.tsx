@@ -6,7 +6,7 @@ import type { App } from "../../../app";
 import type { ObjectName } from "../../../protocol";
 import { scrollWithin } from "../../../scroll";
 import { useValue } from "../../../use";
-import { duplicate, isHidden, remove, rename, select, toggleHidden } from "./actions";
+import { duplicate, isHidden, isVisible, remove, rename, select, toggleHidden } from "./actions";
 import { ContextMenu } from "./context_menu";
 import { found, idOf, type Row, rowsOf } from "./model";
 
@@ -84,19 +84,21 @@ function TreeRow({ app, row, active, selected, hidden, focus, menu }: RowProps):
             </span>
             {object && (
                 <>
-                    <button
-                        type="button"
-                        class="icon quiet"
-                        tabIndex={-1}
-                        aria-label={`${hidden ? "Show" : "Hide"} ${row.label}`}
-                        title={hidden ? "Show (H)" : "Hide (H)"}
-                        onClick={(event) => {
-                            event.stopPropagation();
-                            toggleHidden(app, object);
-                        }}
-                    >
-                        <Eye open={!hidden} />
-                    </button>
+                    {isVisible(object) && (
+                        <button
+                            type="button"
+                            class="icon quiet"
+                            tabIndex={-1}
+                            aria-label={`${hidden ? "Show" : "Hide"} ${row.label}`}
+                            title={hidden ? "Show (H)" : "Hide (H)"}
+                            onClick={(event) => {
+                                event.stopPropagation();
+                                toggleHidden(app, object);
+                            }}
+                        >
+                            <Eye open={!hidden} />
+                        </button>
+                    )}
                     <button
                         type="button"
                         class="icon quiet"
