@@ -26,7 +26,7 @@ KindColors default_colors(BarkKind kind) {
         {0x8c7f70, 0x32261d, 0x9a9f8a},  // furrowed
         {0x9c6a4a, 0x2b1a12, 0xb7a493},  // plated
         {0x8d7a6d, 0x4a2c1f, 0x9aa093},  // scaly
-        {0x98917a, 0xd8cda8, 0x75695c},  // exfoliating
+        {0x98917a, 0xe2d9bb, 0x6f6558},  // exfoliating
         {0xe6e0d6, 0xc79a78, 0x2c2622},  // lenticels
         {0x9c9a94, 0x73726c, 0xb2b4a9},  // smooth
         {0x8b5a42, 0x40231a, 0xa69688},  // fibrous

@@ -12,7 +12,7 @@ class Lenticels {
           tall_(s_ * plan.options.stretch),
           spots_(plan.tile, s_, tall_, 1, 0.1f * tall_, 1, 1),
           dots_(plan.tile, 0.4f * s_, 0.55f * tall_, 1, 0.1f * tall_, 2, 1),
-          diamonds_(plan.tile, 0.26f, 0.2f, 0.75f, 0.01f, 3, 1) {
+          diamonds_(plan.tile, 0.26f, 0.32f, 0.75f, 0.01f, 3, 1) {
         const Tile& t = plan.tile;
         noises_.emplace_back(t, 3 * s_, 1.6f * tall_, 3, 4);
         noises_.emplace_back(t, 2.8f * s_, 1.1f * tall_, 5, 5, 0.55f);
@@ -78,8 +78,8 @@ class Lenticels {
                     unit = std::min(diamonds_.cell_size().x, 1.3f * diamonds_.cell_size().y);
         float inside = -1, brow = 0;
         diamonds_.visit(p, 1, [&](Place d, std::uint32_t id) {
-            if (chance(id, 0) >= 1.6f * plan_.options.patches * std::min(plan_.age, 1.0f)) return;
-            const float size = unit * (0.08f + 0.26f * chance(id, 1) * chance(id, 3));
+            if (chance(id, 0) >= 3 * plan_.options.patches * std::min(plan_.age, 1.0f)) return;
+            const float size = unit * (0.1f + 0.12f * chance(id, 1));
             const float x = std::abs(d.x) / size, y = d.y / (size * (0.5f + 0.5f * chance(id, 2)));
             inside = std::max(inside, 1 - x - std::abs(y) + 0.3f * wobble);
             const float arc = (d.y - 0.35f * size) / size + 0.45f * x * x / (0.6f + x);

@@ -78,76 +78,10 @@ class Scaly {
     std::vector<Fractal> noises_;
 };
 
-/// Layers of decreasing age, each with holes through which the younger layer below shows.
-class Exfoliating {
-  public:
-    explicit Exfoliating(const BarkPlan& plan)
-        : plan_(plan), s_(plan.spacing()), tall_(s_ * plan.options.stretch) {
-        const Tile& t = plan.tile;
-        noises_.emplace_back(t, 1.1f * s_, 1.1f * tall_, 4, 1, 0.42f);
-        noises_.emplace_back(t, 0.9f * s_, 0.9f * tall_, 4, 2, 0.42f);
-        noises_.emplace_back(t, 0.8f * s_, 0.8f * tall_, 5, 3, 0.45f);
-        noises_.emplace_back(t, 0.6f * s_, 0.6f * tall_, 5, 4, 0.45f);
-        noises_.emplace_back(t, 0.5f * s_, 0.6f * tall_, 4, 5);
-        noises_.emplace_back(t, 0.004f, 0.004f, 4, 6, 0.6f);
-        noises_.emplace_back(t, 0.6f * s_, 0.4f * tall_, 3, 7);
-    }
-
-    std::span<const Fractal> noises() const { return noises_; }
-
-    BarkTexel operator()(Place, const NoiseValues& n) const {
-        const BarkOptions& o = plan_.options;
-        const float tone = n[kTone], grain = n[kGrain];
-        const float soft = std::min(0.3f, 0.03f + 2.2f * plan_.tile.texel() / s_);
-        Vec3 c = plan_.deep_color * (1 + 0.05f * tone);
-        float h = 0.25f * n[kWave], below = 0, rough = -0.08f;
-        for (std::size_t k = 0; k < kLayers; ++k) {
-            const float own = n[k];
-            // A layer extends over those below, and on them has holes of its own.
-            const float level = 0.75f * own + 0.35f * below - threshold(k);
-            below = own;
-            const float on = smooth_step(-soft, soft, level);
-            const float rim = on * (1 - smooth_step(soft, 5 * soft, level));
-            c = lerp(c, layer_color(k) * (1 + 0.09f * tone - 0.06f * rim), on);
-            h += on * (0.5f + 0.25f * static_cast<float>(k)) + 0.12f * rim;
-            rough = mix(rough, -0.05f + 0.045f * static_cast<float>(k), on);
-        }
-        c = c * (1 + 0.05f * grain);
-        const float age = 0.35f + 0.65f * std::min(plan_.age, 1.2f);
-        return {o.depth * age * 0.4f * h + o.detail * 0.00012f * grain, c, rough + 0.03f * grain};
-    }
-
-  private:
-    static constexpr std::size_t kLayers = 4;  // the first noises
-    enum { kTone = kLayers, kGrain, kWave };
-
-    float threshold(std::size_t layer) const {
-        constexpr std::array<float, kLayers> kThresholds{-0.28f, -0.06f, 0.14f, 0.34f};
-        return kThresholds[layer] + (0.3f - plan_.options.patches) * 0.6f;
-    }
-
-    Vec3 layer_color(std::size_t layer) const {
-        // From fresh bark, deep_color, to the old one.
-        const Vec3 olive = lerp(plan_.deep_color, plan_.color, 0.55f) + Vec3{-0.03f, 0, -0.05f};
-        const std::array<Vec3, kLayers> colors{lerp(plan_.deep_color, olive, 0.75f), plan_.color,
-                                               lerp(plan_.color, plan_.patch_color, 0.55f),
-                                               plan_.patch_color};
-        return colors[layer];
-    }
-
-    const BarkPlan& plan_;
-    float s_, tall_;
-    std::vector<Fractal> noises_;
-};
-
 }  // namespace
 
 void fill_scaly(const BarkPlan& plan, BarkCanvas& out, const Context& ctx) {
     fill(plan, Scaly(plan), out, ctx);
-}
-
-void fill_exfoliating(const BarkPlan& plan, BarkCanvas& out, const Context& ctx) {
-    fill(plan, Exfoliating(plan), out, ctx);
 }
 
 }  // namespace coppice::texture_internal

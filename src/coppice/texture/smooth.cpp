@@ -56,7 +56,7 @@ class Smooth {
     void add_scar(Place p, float fold, float grain, BarkTexel& t) const {
         scars_.visit(p, 1, [&](Place d, std::uint32_t id) {
             if (chance(id, 0) >= 0.3f + plan_.options.patches) return;
-            const float size = std::min(s_, 0.2f * scars_.cell_size().x) * (0.35f + 0.6f * chance(id, 1));
+            const float size = std::min(s_, 0.2f * scars_.cell_size().x) * (0.4f + 0.35f * chance(id, 1));
             const float x = d.x / size, y = d.y / size;
             if (std::abs(x) > 2.6f || std::abs(y) > 2.6f) return;
             const float lean = 0.25f * (chance(id, 2) - 0.5f);

@@ -80,8 +80,8 @@ std::vector<BarkSpecies> scaly_species() {
     apple.deep_color = srgb(0x544238);
     apple.patch_color = srgb(0xa3aa8e);
     const BarkOptions plane{.kind = BarkKind::exfoliating,
-                            .tile_width = 0.6f,
-                            .tile_height = 0.6f,
+                            .tile_width = 1,
+                            .tile_height = 1,
                             .spacing = 0.085f,
                             .stretch = 1.3f,
                             .depth = 0.0035f,
@@ -94,6 +94,7 @@ std::vector<BarkSpecies> scaly_species() {
 
 std::vector<BarkSpecies> smooth_species() {
     const BarkOptions birch{.kind = BarkKind::lenticels,
+                            .tile_height = 1,
                             .diameter = 0.35f,
                             .mature_diameter = 0.35f,
                             .spacing = 0.05f,
@@ -127,6 +128,7 @@ std::vector<BarkSpecies> smooth_species() {
 
 std::vector<BarkSpecies> other_species() {
     const BarkOptions cedar{.kind = BarkKind::fibrous,
+                            .tile_height = 1,
                             .spacing = 0.012f,
                             .stretch = 24,
                             .depth = 0.006f,
