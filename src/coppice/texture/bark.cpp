@@ -157,6 +157,7 @@ BarkMaps make_bark(const BarkOptions& options, const Context& ctx) {
     maps.occlusion.resize(size);
     maps.heights.resize(size);
     fill_kind(plan, canvas, ctx);
+    even_colors(maps, ctx);
     ctx.report(0.7f);
     derive_maps(canvas, options.occlusion_radius, ctx);
     ctx.report(1);

@@ -20,10 +20,10 @@ enum class BarkKind {
     furrowed,     ///< ridges that join and part, with furrows between them: oak, ash
     plated,       ///< thick plates of many thin flakes: pine
     scaly,        ///< small overlapping scales with lifted edges: spruce
-    exfoliating,  ///< smooth bark that falls off in patches of several colours: plane
+    exfoliating,  ///< smooth bark that falls off in flakes, and is the paler the later it did: plane
     lenticels,    ///< smooth bark with bands of lenticels that peels across: birch
     smooth,       ///< smooth bark with scars of lost branches: beech
-    fibrous,      ///< long strips of fibres: cedar
+    fibrous,      ///< ridges that split and merge, of strips of fibres that peel off: cedar
     ringed,       ///< scars of leaves around the stem: palm
     shoot,        ///< green bark of a shoot, with fine striae and scars of leaves
 };
@@ -45,13 +45,14 @@ struct BarkOptions {
     /// [m] diameter of the stem: the ratio to mature_diameter is the age of the bark; in [0.001, 10].
     float diameter = 0.6f;
     float mature_diameter = 0.6f;  ///< [m] diameter with fully developed bark; in [0.001, 10]
-    float spacing = 0.034f;        ///< [m] mean distance of ridges, plates, rings or lenticels; in [1e-4, 1]
-    float stretch = 5;             ///< length along v of a ridge or plate per width; in [0.02, 100]
-    float depth = 0.016f;          ///< [m] height of fully developed ridges or plates; in [0, 0.2]
-    float irregularity = 1;        ///< factor of all distortions of the pattern; in [0, 3]
-    float detail = 1;              ///< factor of the fine roughness of the surface; in [0, 3]
-    float patches = 0.3f;          ///< amount of lichen, scars or black patches; in [0, 1]
-    float roughness = 0.88f;       ///< mean of the roughness map; in [0.05, 1]
+    float spacing =
+        0.034f;            ///< [m] mean distance of ridges, plates, strips, rings or lenticels; in [1e-4, 1]
+    float stretch = 5;     ///< length along v of a ridge or plate per width; in [0.02, 100]
+    float depth = 0.016f;  ///< [m] height of fully developed ridges or plates; in [0, 0.2]
+    float irregularity = 1;          ///< factor of all distortions of the pattern; in [0, 3]
+    float detail = 1;                ///< factor of the fine roughness of the surface; in [0, 3]
+    float patches = 0.3f;            ///< amount of lichen, scars or black patches; in [0, 1]
+    float roughness = 0.88f;         ///< mean of the roughness map; in [0.05, 1]
     float occlusion_radius = 0.02f;  ///< [m] distance at which a ridge shades its surroundings; in [1e-4, 1]
     std::optional<Vec3d> color = std::nullopt;  ///< sRGB in [0, 1] of the outer surface; default: of the kind
     std::optional<Vec3d> deep_color = std::nullopt;   ///< the same of furrows and inner layers
@@ -106,7 +107,8 @@ struct BarkMaps {
 /// Returns the maps of a tile that continues without a seam on all sides. The same options give the same bits
 /// for any number of threads. Distances of the pattern are rounded such that a whole number of them fits into
 /// the tile; details below two texels fade out. Normals are those of the heights in metres; occlusion is
-/// computed by the horizons in 16 directions within `occlusion_radius`, at most 64 texels.
+/// computed by the horizons in 16 directions within `occlusion_radius`, at most 64 texels. The outer surface
+/// is equally bright in all thirds of the tile, so that repetitions do not show from afar.
 ///
 /// Cost: 0.25 to 0.5 microseconds of CPU time per texel, of which the occlusion needs a tenth; 18 bytes of
 /// memory per texel while it runs, 10 afterwards. Throws InvalidInput if an option is out of range, or the

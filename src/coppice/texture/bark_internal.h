@@ -95,6 +95,10 @@ void fill_fibrous(const BarkPlan& plan, BarkCanvas& out, const Context& ctx);
 void fill_ringed(const BarkPlan& plan, BarkCanvas& out, const Context& ctx);
 void fill_shoot(const BarkPlan& plan, BarkCanvas& out, const Context& ctx);
 
+/// Removes the variation of the colours over distances from a third of the tile to the whole tile: features
+/// of this size occur once in a tile, and show each of its repetitions.
+void even_colors(BarkMaps& maps, const Context& ctx);
+
 /// Sets the range of the heights, and the maps of heights, normals and occlusion.
 void derive_maps(BarkCanvas& canvas, float occlusion_radius, const Context& ctx);
 
