@@ -19,6 +19,12 @@ MeshOptions with_bark(float tile) {
     return options;
 }
 
+MeshOptions with_blends(float tile) {
+    MeshOptions options = with_bark(tile);
+    options.texture.blend = true;
+    return options;
+}
+
 // A vertical stem of equal segments.
 Skeleton stem(float radius, float length, std::uint32_t segments = 4) {
     std::vector<NodeId> parent{NodeId::none()};
@@ -155,9 +161,115 @@ TEST(BarkTexture, IsKeptWithFewerQuadsAroundThinBranches) {
 
 TEST(BarkTexture, IsTheSameForAnyNumberOfThreads) {
     const Skeleton tree = random_tree(400, 3);
-    const Texture one = *mesh_skeleton(tree, with_bark(0.2f), {.threads = 1}).texture;
-    const Texture three = *mesh_skeleton(tree, with_bark(0.2f), {.threads = 3}).texture;
+    const Texture one = *mesh_skeleton(tree, with_blends(0.2f), {.threads = 1}).texture;
+    const Texture three = *mesh_skeleton(tree, with_blends(0.2f), {.threads = 3}).texture;
     EXPECT_TRUE(std::ranges::equal(one.points, three.points));
+    EXPECT_TRUE(std::ranges::equal(one.blends, three.blends));
+}
+
+TEST(BarkTexture, TheSecondSetContinuesTheStemIntoALateral) {
+    MeshOptions options = with_blends(0.1f);
+    options.fit = Fit::surface;
+    const MeshResult made = mesh_skeleton(stem_with_branch(), options);
+    const QuadMesh& mesh = made.quads().mesh;
+    const Texture& texture = *made.texture;
+    ASSERT_EQ(texture.blends.size(), texture.points.size());
+    int at_rim = 0, partial = 0;
+    for (std::size_t c = 0; c < texture.blends.size(); ++c) {
+        const TextureBlend& own = texture.blends[c];
+        if (own.weight == 0) continue;
+        partial += own.weight < 1 ? 1 : 0;
+        const Vec3 p = mesh.positions[mesh.quads[c / 4][c % 4]];
+        EXPECT_LT(distance(p, Vec3{0, 0, 1}), 0.35f);  // two radii of 0.04 beyond the rim of a collar
+        if (own.weight < 1) continue;
+        ++at_rim;
+        bool is_continued = false;
+        for (std::size_t other = 0; other < texture.points.size(); ++other) {
+            if (mesh.quads[other / 4][other % 4] != mesh.quads[c / 4][c % 4]) continue;
+            if (texture.blends[other].weight > 0) continue;
+            const float du = texture.points[other].u - own.second.u;
+            is_continued |= std::abs(du - std::round(du)) < 1e-3f &&
+                            std::abs(texture.points[other].v - own.second.v) < 1e-3f;
+        }
+        EXPECT_TRUE(is_continued) << c;
+    }
+    EXPECT_EQ(at_rim, 2 * 4 * 4);   // both ends of the edges of the rim
+    EXPECT_GE(partial, 4 * 4 * 4);  // a row of quads
+    for (std::size_t f = 0; f < mesh.quads.size(); ++f) {
+        if (texture.blends[4 * f].weight == 0) continue;
+        const auto at = [&](std::size_t k) { return texture.blends[4 * f + k].second; };
+        const TexturePoint a = at(0), b = at(1), c = at(2), d = at(3);
+        EXPECT_GT((c.u - a.u) * (d.v - b.v) - (d.u - b.u) * (c.v - a.v), 0);  // not turned over
+        // Similarly stretched around the branch and along it. The rim is not round: up to 2.5.
+        const Quad& q = mesh.quads[f];
+        const float around =
+            std::hypot(b.u - a.u, b.v - a.v) / distance(mesh.positions[q[0]], mesh.positions[q[1]]);
+        const float along =
+            std::hypot(d.u - a.u, d.v - a.v) / distance(mesh.positions[q[0]], mesh.positions[q[3]]);
+        EXPECT_LT(std::max(around / along, along / around), 3) << f;
+    }
+}
+
+TEST(BarkTexture, TheSecondSetContinuesTheNumberOfWraps) {
+    const Skeleton tapered({NodeId::none(), NodeId(0), NodeId(1), NodeId(2), NodeId(3)},
+                           {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}},
+                           {0.3f, 0.3f, 0.1f, 0.1f, 0.1f});
+    const MeshResult made = mesh_skeleton(tapered, with_blends(0.2f));
+    const QuadMesh& mesh = made.quads().mesh;
+    const Texture& texture = *made.texture;
+    std::map<std::uint32_t, std::pair<bool, bool>>
+        rings;  // vertices with weight 1: whether they are continued
+    for (std::size_t c = 0; c < texture.blends.size(); ++c) {
+        if (texture.blends[c].weight < 1) continue;
+        auto& [is_ring, is_continued] = rings[mesh.quads[c / 4][c % 4]];
+        is_ring = true;
+        for (std::size_t other = 0; other < texture.points.size(); ++other) {
+            if (mesh.quads[other / 4][other % 4] != mesh.quads[c / 4][c % 4]) continue;
+            if (texture.blends[other].weight == 1) continue;
+            const float du = texture.points[other].u - texture.blends[c].second.u;
+            is_continued |= std::abs(du - std::round(du)) < 1e-3f &&
+                            std::abs(texture.points[other].v - texture.blends[c].second.v) < 1e-3f;
+        }
+    }
+    ASSERT_GT(rings.size(), 0u);
+    EXPECT_EQ(rings.size() % 16, 0u);  // whole rings of 16 vertices
+    for (const auto& [vertex, ring] : rings) EXPECT_TRUE(ring.second) << vertex;
+}
+
+TEST(BarkTexture, TheSecondSetLeavesTheFirstUnchanged) {
+    const Skeleton tree = random_tree(300, 7);
+    for (const TubeSides sides : {TubeSides::equal, TubeSides::by_radius}) {
+        MeshOptions options = with_bark(0.2f);
+        options.tube_sides = sides;
+        const Texture plain = *mesh_skeleton(tree, options).texture;
+        options.texture.blend = true;
+        const Texture blended = *mesh_skeleton(tree, options).texture;
+        EXPECT_TRUE(plain.blends.empty());
+        EXPECT_TRUE(std::ranges::equal(plain.points, blended.points));
+        ASSERT_EQ(blended.blends.size(), blended.points.size());
+        EXPECT_TRUE(std::ranges::any_of(blended.blends, [](const auto& b) { return b.weight > 0; }));
+        options.texture.tile_height = 0.1f;  // half as high
+        const Texture low = *mesh_skeleton(tree, options).texture;
+        for (std::size_t c = 0; c < low.blends.size(); ++c)
+            ASSERT_EQ(low.blends[c].second.v, 2 * blended.blends[c].second.v);
+    }
+}
+
+TEST(BarkTexture, TheSecondSetIsFiniteOnAnySkeleton) {
+    for (const auto& [name, skeleton] : skeleton_zoo()) {
+        for (const MeshMethod method :
+             {MeshMethod::quads, MeshMethod::tetrahedra, MeshMethod::ramifications, MeshMethod::cylinders}) {
+            MeshOptions options = with_blends(0.3f);
+            options.method = method;
+            const Texture texture = *mesh_skeleton(skeleton, options).texture;
+            EXPECT_EQ(texture.blends.size(), method == MeshMethod::cylinders ? 0 : texture.points.size())
+                << name;
+            for (const TextureBlend& b : texture.blends) {
+                ASSERT_TRUE(std::isfinite(b.second.u) && std::isfinite(b.second.v));
+                ASSERT_TRUE(b.weight >= 0 && b.weight <= 1);
+            }
+        }
+    }
 }
 
 }  // namespace

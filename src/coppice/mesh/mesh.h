@@ -42,6 +42,7 @@ struct PolygonMesh {
     std::vector<std::uint32_t> group;  ///< per face an index into group_names; empty if there are no groups
     /// one per corner, in the order of `corners`; empty if the mesh has no texture coordinates
     Buffer<TexturePoint> texture;
+    Buffer<TextureBlend> texture_blends;  ///< one per corner; empty if there is no second set
 
     /// number of faces
     std::uint32_t face_count() const { return static_cast<std::uint32_t>(first.size()) - 1; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "coppice/base/column.h"
 
@@ -12,6 +13,21 @@ struct TexturePoint {
     float u = 0;                                                   ///< [tiles] around a tube
     float v = 0;                                                   ///< [tiles] along it
     friend bool operator==(TexturePoint, TexturePoint) = default;  ///< compares both coordinates
+};
+
+/// A second set of texture coordinates of a corner, which continues the coordinates beyond an edge where
+/// those of the surface begin abruptly. Colours, normals and roughness of both sets are interpolated by the
+/// weight.
+struct TextureBlend {
+    TexturePoint second;  ///< in tiles, as the first set
+    float weight = 0;     ///< of the second set, from 0 to 1
+    friend bool operator==(const TextureBlend&, const TextureBlend&) = default;  ///< compares all values
+};
+
+/// Texture coordinates of the corners of a surface, which another object holds.
+struct TextureView {
+    std::span<const TexturePoint> points;  ///< one per corner of the faces; may be empty
+    std::span<const TextureBlend> blends;  ///< the second set; one per corner, or empty
 };
 
 /// Quality of a texture.
@@ -42,6 +58,8 @@ void visit_figures(const TextureReport& r, Visitor&& visit) {
 struct Texture {
     Buffer<TexturePoint> points;  ///< one per corner of the faces, face by face
     TextureReport report;         ///< its quality
+    /// one per corner, if they were requested; otherwise empty
+    Buffer<TextureBlend> blends = {};
 };
 
 }  // namespace coppice

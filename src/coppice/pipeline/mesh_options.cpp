@@ -37,6 +37,10 @@ void list_fields(TextureOptions& o, FieldList& list) {
                    "parts.",
                    Unit::none, 64, 65536},
              o.atlas_size);
+    list.add(Field{"uv_blend",
+                   "Add a second set of bark coordinates with weights, which continues the bark of the stem "
+                   "into branches and hides the rings where the number of tiles changes."},
+             o.blend);
 }
 
 void list_fields(MeshOptions& o, FieldList& list) {

@@ -106,6 +106,8 @@ struct TextureOptions {
                             ///< repetitions around, at least one; bark only
     float tile_height = 0;  ///< [m] height of one repetition; 0: as its width
     int atlas_size = 4096;  ///< [pixels] side of the image of an atlas, in which parts are two pixels apart
+    bool blend = false;     ///< a second set of coordinates that hides where branches begin; bark only, and
+                            ///< not for cylinders
 };
 
 /// Lists the members for front ends.

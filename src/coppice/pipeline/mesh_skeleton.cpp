@@ -152,6 +152,7 @@ pipeline_internal::Atlas make_atlas(const MeshResult& made, const Texture& bark,
 MeshOptions with_one_tile(const Skeleton& prepared, MeshOptions options) {
     const float widest = std::ranges::max(prepared.radii());
     options.texture.tile = 4 * 2 * std::numbers::pi_v<float> * widest;
+    options.texture.blend = false;
     return options;
 }
 
@@ -175,6 +176,7 @@ void set_tile_height(Texture& texture, const TextureOptions& options) {
     if (options.tile_height == 0) return;
     const float ratio = options.tile / options.tile_height;
     for (TexturePoint& point : texture.points) point.v *= ratio;
+    for (TextureBlend& blend : texture.blends) blend.second.v *= ratio;
 }
 
 void add_texture(BuiltMesh& built, const MeshOptions& options, const Context& ctx) {

@@ -42,6 +42,23 @@ void project_face(std::span<const Vec3> face, Vec3 point, const BarkPoint& at, s
     }
 }
 
+// The coordinates of the corners of faces, and the zone of each face for its second set.
+struct FaceTexture {
+    FaceTexture(std::size_t faces, std::size_t corners) : points(corners), zones(faces, kNoIndex) {}
+
+    Buffer<TexturePoint> points;
+    std::vector<std::uint32_t> zones;
+};
+
+// Returns the second set of the corners of faces, N each.
+template <std::size_t N>
+Buffer<TextureBlend> make_blends(const TubeTexture& tubes, const FaceTexture& faces, const Context& ctx) {
+    Buffer<TextureBlend> out(faces.points.size());
+    parallel_for(ctx, out.size(), kFaceGrain,
+                 [&](std::size_t i) { out[i] = tubes.blend(faces.zones[i / N], faces.points[i]); });
+    return out;
+}
+
 // Finds coordinates for faces without a rectangle of a tube, by those of the closest tube.
 class FaceTransfer {
   public:
@@ -61,9 +78,10 @@ class FaceTransfer {
         });
     }
 
-    // Sets the coordinates of a face. Returns false if they would be projected on a plane.
+    // Sets the coordinates of a face, and its zone. Returns false if they would be projected on a plane.
     template <std::size_t N>
-    bool set(const std::array<std::uint32_t, N>& face, std::span<TexturePoint> out) const {
+    bool set(const std::array<std::uint32_t, N>& face, std::span<TexturePoint> out,
+             std::uint32_t& zone) const {
         std::array<BarkPoint, N> corners;
         for (std::size_t k = 0; k < N; ++k) corners[k] = found_[face[k]];
         const BarkPoint& first = corners[0];
@@ -80,8 +98,10 @@ class FaceTransfer {
         if (own.axis != kNoIndex) {
             join_turns(corners);
             for (std::size_t k = 0; k < N; ++k) out[k] = to_texture(corners[k], own.wraps);
+            zone = own.zone;
             if (is_good_texture(face_positions(face, positions_), out, own.tiles_per_metre)) return true;
         }
+        zone = kNoIndex;
         project_face(face_positions(face, positions_), center, own, out);
         return false;
     }
@@ -96,8 +116,8 @@ class FaceTransfer {
 // Sets the faces that are marked, and counts them.
 template <std::size_t N>
 void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
-                    std::span<const std::uint8_t> wanted, const TextureTransfer& carrier,
-                    std::span<TexturePoint> points, TextureReport& report, const Context& ctx) {
+                    std::span<const std::uint8_t> wanted, const TextureTransfer& carrier, FaceTexture& out,
+                    TextureReport& report, const Context& ctx) {
     std::vector<std::uint8_t> vertices(positions.size(), 0), is_projected(faces.size(), 0);
     for (std::size_t i = 0; i < faces.size(); ++i) {
         if (wanted[i] == 0) continue;
@@ -107,7 +127,8 @@ void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::sp
     FaceTransfer transfer(positions, carrier, ctx);
     transfer.find_vertices(vertices);
     parallel_for(ctx, faces.size(), kFaceGrain, [&](std::size_t i) {
-        if (wanted[i] != 0) is_projected[i] = transfer.set(faces[i], points.subspan(N * i, N)) ? 0 : 1;
+        const auto corners = std::span(out.points).subspan(N * i, N);
+        if (wanted[i] != 0) is_projected[i] = transfer.set(faces[i], corners, out.zones[i]) ? 0 : 1;
     });
     report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
 }
@@ -115,13 +136,14 @@ void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::sp
 // Texture of the faces of a surface that were made from the refined quads of tubes.
 class QuadTexture {
   public:
-    QuadTexture(const QuadMesh& mesh, const QuadBuild& build, float tile, const Context& ctx)
+    QuadTexture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
+                const Context& ctx)
         : mesh_(mesh),
           build_(build),
           ctx_(ctx),
-          tubes_(build, tile, ctx),
-          tile_(tile),
-          points_(4 * mesh.quads.size()),
+          tubes_(build, options, ctx),
+          options_(options),
+          texture_(mesh.quads.size(), 4 * mesh.quads.size()),
           is_open_(mesh.quads.size(), 1) {}
 
     Texture run() {
@@ -132,15 +154,18 @@ class QuadTexture {
         }
         Texture out;
         transfer(out.report);
-        out.points = std::move(points_);
+        if (options_.blend) out.blends = make_blends<4>(tubes_, texture_, ctx_);
+        out.points = std::move(texture_.points);
         out.report.axes = tubes_.axis_count();
-        measure_texture(mesh_.quads, mesh_.positions, out.points, tile_, out.report, ctx_);
+        measure_texture(mesh_.quads, mesh_.positions, out.points, options_.tile, out.report, ctx_);
         return out;
     }
 
   private:
     int levels() const { return build_.refinement.levels(); }
-    std::span<TexturePoint> corners(std::size_t face) { return std::span(points_).subspan(4 * face, 4); }
+    std::span<TexturePoint> corners(std::size_t face) {
+        return std::span(texture_.points).subspan(4 * face, 4);
+    }
 
     void set_refined() {
         const std::vector<std::uint32_t> kept = find_kept_quads(build_, tubes_.tube_rows());
@@ -159,6 +184,7 @@ class QuadTexture {
             const std::array<TexturePoint, 4> corner{
                 {{left, low}, {right, low}, {right, high}, {left, high}}};
             std::ranges::copy(corner, corners(i).begin());
+            texture_.zones[i] = patch.zone;
             is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;  // rows may have no length
         });
     }
@@ -182,6 +208,7 @@ class QuadTexture {
             std::ranges::transform(coarse.quads[i], corner.begin(), [&](std::uint32_t v) { return at[v]; });
             join_turns(corner);
             for (std::size_t k = 0; k < 4; ++k) corners(i)[k] = to_texture(corner[k], patch.wraps);
+            texture_.zones[i] = patch.zone;
             is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;
         }
     }
@@ -212,7 +239,7 @@ class QuadTexture {
         const CageRun side = tubes_.faces()[tube.index()].side;
         const Skeleton& s = build_.tubes;
         Vec3 normal, center;
-        float density = 1 / tile_;
+        float density = 1 / options_.tile;
         if (side.count > 0) {
             const NodeId end = part == TubeFace::start ? s.parent(tube) : tube;
             center = s.position(end);
@@ -233,7 +260,7 @@ class QuadTexture {
     void transfer(TextureReport& report) {
         if (std::ranges::find(is_open_, 1) == is_open_.end()) return;
         const TextureTransfer carrier(build_, tubes_, tubes_near_open(), ctx_);
-        transfer_faces<4>(mesh_.quads, mesh_.positions, is_open_, carrier, points_, report, ctx_);
+        transfer_faces<4>(mesh_.quads, mesh_.positions, is_open_, carrier, texture_, report, ctx_);
     }
 
     // Returns per tube whether open faces may be near it.
@@ -257,8 +284,8 @@ class QuadTexture {
     const QuadBuild& build_;
     const Context& ctx_;
     TubeTexture tubes_;
-    float tile_;
-    Buffer<TexturePoint> points_;
+    TextureOptions options_;
+    FaceTexture texture_;
     std::vector<std::uint8_t> is_open_;  // per face: whether it has no coordinates yet
 };
 
@@ -266,17 +293,19 @@ class QuadTexture {
 
 Texture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
                      const Context& ctx) {
-    return QuadTexture(mesh, build, options.tile, ctx).run();
+    return QuadTexture(mesh, build, options, ctx).run();
 }
 
 Texture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
                      const Context& ctx) {
-    const TubeTexture tubes(build, options.tile, ctx);
+    const TubeTexture tubes(build, options, ctx);
     const TextureTransfer carrier(build, tubes, std::vector<std::uint8_t>(build.tubes.size(), 1), ctx);
     const std::vector<std::uint8_t> all(mesh.triangles.size(), 1);
+    FaceTexture texture(mesh.triangles.size(), 3 * mesh.triangles.size());
     Texture out;
-    out.points.resize(3 * mesh.triangles.size());
-    transfer_faces<3>(mesh.triangles, mesh.positions, all, carrier, out.points, out.report, ctx);
+    transfer_faces<3>(mesh.triangles, mesh.positions, all, carrier, texture, out.report, ctx);
+    if (options.blend) out.blends = make_blends<3>(tubes, texture, ctx);
+    out.points = std::move(texture.points);
     out.report.axes = tubes.axis_count();
     measure_texture(mesh.triangles, mesh.positions, out.points, options.tile, out.report, ctx);
     return out;

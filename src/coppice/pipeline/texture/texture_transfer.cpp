@@ -128,7 +128,8 @@ BarkPoint TextureTransfer::evaluate(std::uint32_t nearest, Vec3 point) const {
             left + (right - left) * s.x,
             low + (high - low) * s.y,
             patch.tiles_per_metre,
-            high < low ? -along : along};
+            high < low ? -along : along,
+            patch.zone};
 }
 
 }  // namespace coppice::pipeline_internal

@@ -19,6 +19,7 @@ struct BarkPoint {
     float v = 0;                    ///< along the branch
     float tiles_per_metre = 1;      ///< around it
     Vec3 along{0, 0, 1};            ///< direction in which v increases
+    std::uint32_t zone = kNoIndex;  ///< of its second set, as in TexturePatch
 };
 
 /// Finds bark coordinates for faces that are not quads of a tube: those of the closest refined quad of a

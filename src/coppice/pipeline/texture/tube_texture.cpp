@@ -26,14 +26,6 @@ std::uint32_t best_rotation(std::span<const Vec3> from, std::span<const Vec3> to
     return best;
 }
 
-// Returns the place of the edge between two successive vertices of a ring, or kNoIndex.
-std::uint32_t find_edge(std::span<const std::uint32_t> ring, std::uint32_t a, std::uint32_t b) {
-    for (std::size_t k = 0; k < ring.size(); ++k) {
-        if (ring[k] == a && ring[(k + 1) % ring.size()] == b) return static_cast<std::uint32_t>(k);
-    }
-    return kNoIndex;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRows& rows) {
@@ -44,9 +36,9 @@ std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRow
     return out;
 }
 
-TubeTexture::TubeTexture(const QuadBuild& build, float tile, const Context& ctx)
+TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, const Context& ctx)
     : build_(build),
-      tile_(tile),
+      options_(options),
       tube_rows_(build.cage, build.tubes, build.refinement.levels(), build.sides),
       faces_(faces_of_tubes(tube_rows_)),
       cage_(build.refinement.cage()),
@@ -72,6 +64,14 @@ TubeTexture::Ring TubeTexture::ring(NodeId tube, int end) const {
     Ring out(side.count);
     for (std::uint32_t k = 0; k < side.count; ++k) out[k] = cage_.quads[side.first + k][end == 0 ? 0 : 3];
     return out;
+}
+
+// Returns the place of the edge between two successive vertices of a ring, or kNoIndex.
+std::uint32_t TubeTexture::find_edge(std::span<const std::uint32_t> ring, std::uint32_t a, std::uint32_t b) {
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        if (ring[k] == a && ring[(k + 1) % ring.size()] == b) return static_cast<std::uint32_t>(k);
+    }
+    return kNoIndex;
 }
 
 // Sets the circumference, and the rows of v for one wrap that begin at 0.
@@ -108,7 +108,7 @@ void TubeTexture::measure_rows(NodeId tube) {
 
 // `current`: 0 at the beginning of a branch.
 std::uint32_t TubeTexture::choose_wraps(float circumference, std::uint32_t current) const {
-    const float exact = std::min(circumference / tile_, 1e6f);
+    const float exact = std::min(circumference / options_.tile, 1e6f);
     const auto nearest = static_cast<std::uint32_t>(std::max(1L, std::lround(exact)));
     if (current == 0) return nearest;
     const float ratio = exact / static_cast<float>(current);
@@ -128,6 +128,7 @@ void TubeTexture::follow_axes() {
         } else {
             at(n).axis = axis_count_++;
             at(n).wraps = choose_wraps(at(n).circumference, 0);
+            begin_zone(n, at(n).wraps);
         }
         const float* const rows = &v_[std::size_t{n.index()} * (size_ + 1)];
         at(n).end = at(n).begin + static_cast<float>(at(n).wraps) * rows[size_];
@@ -152,6 +153,8 @@ void TubeTexture::continue_axis(NodeId tube) {
     after.begin =
         before.end + static_cast<float>(before.wraps) * gap / std::max(before.circumference, 1e-30f);
     after.wraps = choose_wraps(after.circumference, before.wraps);
+    after.zone = before.zone;
+    if (after.wraps != before.wraps) begin_zone(tube, before.wraps);
 }
 
 void TubeTexture::set_sides(NodeId tube) {
@@ -168,7 +171,8 @@ void TubeTexture::set_sides(NodeId tube) {
                                   column * share,
                                   (column + 1) * share,
                                   tube.index() * (size_ + 1),
-                                  tiles_per_metre(own)};
+                                  tiles_per_metre(own),
+                                  own.zone};
     }
 }
 
@@ -191,6 +195,10 @@ void TubeTexture::set_forks(NodeId node) {
         }
         set_collar(c, length / count);
     }
+    if (!options_.blend) return;
+    tube_rows_.for_each_tube_at(node, [&](NodeId tube) {
+        if (tube != node && tube_rows_.end_at(tube, node) == 0) set_rim(node, tube, collars);
+    });
 }
 
 bool TubeTexture::set_stem_face(std::uint32_t cage_quad, NodeId node) {
@@ -235,7 +243,8 @@ void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array
                          columns[0] * share,
                          columns[1] * share,
                          static_cast<std::uint32_t>(v_.size()),
-                         tiles_per_metre(at(tube))};
+                         tiles_per_metre(at(tube)),
+                         at(tube).zone};
     for (std::uint32_t row = 0; row <= size_; ++row)
         v_.push_back(v[0] + (v[1] - v[0]) * static_cast<float>(row) / static_cast<float>(size_));
 }

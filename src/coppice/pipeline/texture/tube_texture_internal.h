@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "coppice/base/column.h"
 #include "coppice/base/context.h"
 #include "coppice/base/id.h"
+#include "coppice/pipeline/mesh_options.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/pipeline/repair/tube_quads_internal.h"
 #include "coppice/pipeline/repair/tube_rows_internal.h"
+#include "coppice/pipeline/texture/blend_zone_internal.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice::pipeline_internal {
@@ -28,6 +31,7 @@ struct TexturePatch {
     float right = 0;                ///< [turns] at corners 1 and 2
     std::uint32_t first_row = 0;    ///< index of v at the first of the rows of vertices
     float tiles_per_metre = 0;      ///< around the branch
+    std::uint32_t zone = kNoIndex;  ///< of its second set; kNoIndex: there is none
 
     bool is_rectangle() const { return axis != kNoIndex; }
 };
@@ -38,11 +42,13 @@ struct TexturePatch {
 /// circumference, times the wraps, so that a square texture is not distorted. The number of wraps comes
 /// closest to tiles of the given width, and changes along a branch only where it would be wrong by a factor
 /// of more than the square root of 2. Rows between a branch and the face through which it leaves its parent
-/// continue it backwards.
+/// continue it backwards. A second set continues the coordinates of the stem into its laterals, and the
+/// number of wraps beyond the rings where it changes.
 class TubeTexture {
   public:
-    /// The build must outlive this object. `tile`: [m] width of a tile. O(refined vertices).
-    TubeTexture(const QuadBuild& build, float tile, const Context& ctx);
+    /// The build must outlive this object. Uses the width of a tile, and whether there is a second set.
+    /// O(refined vertices).
+    TubeTexture(const QuadBuild& build, const TextureOptions& options, const Context& ctx);
 
     const TubeRows& tube_rows() const { return tube_rows_; }
     const std::vector<TubeFaces>& faces() const { return faces_; }  ///< per tube
@@ -59,6 +65,8 @@ class TubeTexture {
     }
     /// Returns v at a row of a patch of vertices, from 0 to size().
     float v(const TexturePatch& p, std::uint32_t row) const { return v_[p.first_row + row]; }
+    /// Returns the second set at a place of a zone; the first set, with weight 0, without a zone.
+    TextureBlend blend(std::uint32_t zone, TexturePoint first) const;
     /// Returns the number of branches.
     std::uint32_t axis_count() const { return axis_count_; }
 
@@ -70,6 +78,7 @@ class TubeTexture {
         std::uint32_t wraps = 1;
         std::uint32_t column = 0;  // of its first cage quad
         float begin = 0, end = 0;  // v
+        std::uint32_t zone = kNoIndex;
     };
     // A quad of the cage between a lateral and the face of the stem through which it leaves.
     struct Collar {
@@ -79,11 +88,17 @@ class TubeTexture {
         int end;             // of the lateral
     };
     using Ring = std::vector<std::uint32_t>;  // cage vertices around a tube
+    // The edge k of a cage quad, from its corner k to the next one.
+    struct Side {
+        std::uint32_t cage_quad, k;
+    };
 
     static float tiles_per_metre(const Tube& t) {
         return static_cast<float>(t.wraps) / std::max(t.circumference, 1e-30f);
     }
+    static std::uint32_t find_edge(std::span<const std::uint32_t> ring, std::uint32_t a, std::uint32_t b);
     Tube& at(NodeId n) { return tube_[n.index()]; }
+    const Tube& at(NodeId n) const { return tube_[n.index()]; }
     Vec3 position(std::uint32_t v) const { return build_.refined[v]; }
     Ring ring(NodeId tube, int end) const;
     void measure_rows(NodeId tube);
@@ -95,12 +110,18 @@ class TubeTexture {
     bool set_stem_face(std::uint32_t cage_quad, NodeId node);
     void find_collar(std::uint32_t cage_quad, NodeId node, std::vector<Collar>& collars) const;
     void set_collar(const Collar& collar, float length);
+    void begin_zone(NodeId tube, std::uint32_t wraps_before);
+    void set_rim(NodeId node, NodeId lateral, std::span<const Collar> collars);
+    std::vector<TexturePoint> find_rim(NodeId node, NodeId lateral, std::span<const Collar> collars) const;
+    std::uint32_t find_base(NodeId lateral, std::uint32_t side, std::span<const Collar> collars) const;
+    std::optional<Side> find_side_of_stem(NodeId node, std::uint32_t from, std::uint32_t to) const;
+    TexturePoint point_on_side(const Side& side, std::uint32_t step) const;
     void set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
                        std::array<float, 2> v);
     float patch_length(std::uint32_t cage_quad) const;
 
     const QuadBuild& build_;
-    float tile_;
+    TextureOptions options_;
     TubeRows tube_rows_;
     std::vector<TubeFaces> faces_;  // per tube
     CageView cage_;
@@ -109,6 +130,7 @@ class TubeTexture {
     std::vector<Tube> tube_;
     std::vector<TexturePatch> patch_;  // per cage quad
     Buffer<float> v_;                  // size_ + 1 rows per tube, then those of other patches
+    std::vector<BlendZone> zones_;
 };
 
 }  // namespace coppice::pipeline_internal

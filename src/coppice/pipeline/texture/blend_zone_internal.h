@@ -1,0 +1,43 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "coppice/mesh/texture.h"
+
+namespace coppice::pipeline_internal {
+
+/// The part of a branch along which a second set of bark coordinates continues those on the other side of an
+/// edge. Its weight falls from 1 at the edge to 0 over two radii: [tiles] the number of wraps divided by pi.
+class BlendZone {
+  public:
+    /// Continues the number of wraps before a ring; nothing if the number does not change there. The ring is
+    /// at `v` in the coordinates after it.
+    BlendZone(float v, float wraps, float wraps_before)
+        : begin_(v), wraps_(wraps), ratio_(wraps_before / wraps) {}
+
+    /// Continues the coordinates of the stem at the rim of a lateral to its inside; nothing if the rim does
+    /// not run around its mean. The rim is at `v` in the coordinates of the lateral. Around it, `rim` has the
+    /// coordinates of the stem at equal turns, the first again at the end. `density` is the number of tiles
+    /// per metre of the lateral, relative to that of the stem.
+    void set_rim(float v, std::vector<TexturePoint> rim, float density);
+    /// Ends the zone at `v`, where other coordinates begin.
+    void end_at(float v) { max_v_ = v; }
+
+    /// Returns the second set at a place of the branch. Anywhere along it, also beyond the zone, so that the
+    /// second set is continuous where the first is.
+    TextureBlend at(TexturePoint first) const;
+
+  private:
+    TexturePoint rim_at(float turns) const;
+
+    float begin_;
+    float max_v_ = std::numeric_limits<float>::infinity();
+    float wraps_;                    // around the branch
+    float ratio_;                    // at a ring: of the number of wraps before it to that after it
+    std::vector<TexturePoint> rim_;  // empty at a ring
+    TexturePoint center_;
+    float density_ = 1;
+};
+
+}  // namespace coppice::pipeline_internal
