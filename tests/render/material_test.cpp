@@ -190,6 +190,32 @@ TEST(Material, TheImageIsUpright) {
     EXPECT_LT(brightness(image, 46, 46), 90);
 }
 
+TEST(Material, BlendsBothSetsByTheirWeights) {
+    RenderMaterial material;
+    material.color = Image(2, 1);
+    material.color.pixels = {kRed, kGreen};
+    PolygonMesh mesh = square();
+    mesh.texture.assign(4, {0.25f, 0});
+    const auto color = [&](float left, float right) {
+        mesh.texture_blends.clear();
+        for (const float weight : {left, right, right, left})
+            mesh.texture_blends.push_back({{0.75f, 0}, weight});
+        return drawn(mesh, material);
+    };
+    const Image red = drawn(mesh, material), blended = color(0, 1);
+    EXPECT_EQ(color(0, 0), red);
+    const Image green = color(1, 1);
+    EXPECT_GT(green.at(32, 32)[1], 100);
+    EXPECT_EQ(green.at(32, 32)[0], red.at(32, 32)[1]);
+    EXPECT_GT(blended.at(12, 32)[0], blended.at(32, 32)[0]);  // from red on the left to green on the right
+    EXPECT_GT(blended.at(32, 32)[0], blended.at(52, 32)[0]);
+    EXPECT_GT(blended.at(52, 32)[1], blended.at(32, 32)[1]);
+    mesh.texture_blends.front().weight = 2;
+    EXPECT_THROW(drawn(mesh, material), InvalidInput);
+    mesh.texture_blends.pop_back();
+    EXPECT_THROW(drawn(mesh, material), InvalidInput);
+}
+
 TEST(Material, DistantTexturesAreSmooth) {
     // 64 texels and 16 tiles across about 59 pixels: 17 texels for each pixel.
     const Image image = drawn(square(16), {.color = chessboard(64)});

@@ -53,6 +53,14 @@ void check(const RenderMaterial& material, const PolygonMesh* mesh) {
         if (!std::isfinite(t.u) || !std::isfinite(t.v))
             throw InvalidInput("render: the texture coordinates of the mesh are not finite");
     }
+    if (!mesh->texture_blends.empty() && mesh->texture_blends.size() != mesh->corners.size())
+        throw InvalidInput("render: the number of second texture coordinates must be that of the corners");
+    for (const TextureBlend& b : mesh->texture_blends) {
+        if (!std::isfinite(b.second.u) || !std::isfinite(b.second.v) || !(b.weight >= 0 && b.weight <= 1))
+            throw InvalidInput(
+                "render: the second texture coordinates of the mesh are not finite, or a weight is not from "
+                "0 to 1");
+    }
     const Image* images[] = {&material.color, &material.normal, &material.roughness, &material.occlusion};
     if (std::ranges::all_of(images, [](const Image* image) { return image->pixels.empty(); }))
         throw InvalidInput("render: the material has no image");

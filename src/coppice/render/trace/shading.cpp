@@ -193,9 +193,9 @@ Footprint Shading::footprint(const Hit& hit, const Camera::Ray& ray, float x, fl
 
 Shading::Surface Shading::surface(const Hit& hit, const Camera::Ray& ray, float x, float y) const {
     Surface out{albedo(hit), hit.normal, std::nullopt, 1};
-    const auto place = scene_.texture_place(hit);
-    if (!place || place->material >= materials_.size()) return out;
-    const Texel texel = materials_[place->material].at(*place, footprint(hit, ray, x, y), hit.normal);
+    const auto places = scene_.texture_places(hit);
+    if (!places || places->material >= materials_.size()) return out;
+    const Texel texel = materials_[places->material].at(*places, footprint(hit, ray, x, y), hit.normal);
     return {texel.color.value_or(out.albedo), texel.normal, texel.roughness, texel.occlusion};
 }
 

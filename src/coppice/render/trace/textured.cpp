@@ -54,6 +54,18 @@ Texel TracedMaterial::at(const TexturePlace& place, const Footprint& footprint, 
     return out;
 }
 
+Texel TracedMaterial::at(const TexturePlaces& places, const Footprint& footprint, Vec3 normal) const {
+    Texel out = at(places.first, footprint, normal);
+    if (!(places.weight > 0)) return out;
+    const Texel second = at(places.second, footprint, normal);
+    const float t = places.weight;
+    if (out.color) out.color = lerp(*out.color, *second.color, t);
+    out.normal = normalized(lerp(out.normal, second.normal, t), normal);
+    if (out.roughness) out.roughness = std::lerp(*out.roughness, *second.roughness, t);
+    out.occlusion = std::lerp(out.occlusion, second.occlusion, t);
+    return out;
+}
+
 float Gloss::of_source(Vec3 to_light) const {
     const float nl = dot(normal, to_light), nv = std::max(dot(normal, to_camera), 1e-3f);
     if (!(nl > 0)) return 0;

@@ -14,7 +14,13 @@ namespace coppice {
 struct TexturePlace {
     float u = 0, v = 0;           ///< [tiles]
     Vec3 gradient_u, gradient_v;  ///< [tiles] per unit of the traced scene; zero for a face without area
-    std::uint32_t material = 0;   ///< index of the material of the face
+};
+
+/// Both sets of texture coordinates at a hit.
+struct TexturePlaces {
+    TexturePlace first, second;
+    float weight = 0;            ///< of the second
+    std::uint32_t material = 0;  ///< index of the material of the face
 };
 
 /// The part of the surface that one sample represents: its sides in the plane of the face.
@@ -38,6 +44,8 @@ class TracedMaterial {
     /// Returns the values at a place. `normal` is the smoothed normal, around which the frame of the texture
     /// is orthonormal: u along the first axis, v on the side of the second.
     Texel at(const TexturePlace& place, const Footprint& footprint, Vec3 normal) const;
+    /// Returns the values of both sets, interpolated by the weight.
+    Texel at(const TexturePlaces& places, const Footprint& footprint, Vec3 normal) const;
 
   private:
     std::optional<MipMap> color_, normal_, roughness_, occlusion_;

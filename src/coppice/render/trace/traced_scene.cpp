@@ -66,6 +66,14 @@ void attach(RTCScene scene, RTCDevice device, RTCGeometryType type, const std::v
     attach_geometry(scene, geometry.get());
 }
 
+/// Adds the values of the corners of a face, divided in the same way as by `add_faces`.
+template <class T>
+void add_corners(std::span<const T> t, std::vector<std::array<T, 4>>& out) {
+    if (t.size() == 4) out.push_back({t[0], t[1], t[2], t[3]});
+    for (std::size_t k = 1; t.size() != 4 && k + 1 < t.size(); ++k)
+        out.push_back({t[0], t[k], t[k + 1], t[k + 1]});
+}
+
 }  // namespace
 
 TracedScene::TracedScene(const RenderScene& scene, const RenderOptions& options, const Context& ctx)
@@ -165,16 +173,14 @@ void TracedScene::add_faces(const PolygonMesh& mesh, std::span<const std::uint32
     }
 }
 
-/// Divides the faces in the same way as `add_faces`.
 void TracedScene::add_texture(const RenderScene& scene) {
     const PolygonMesh& mesh = *scene.mesh;
     texture_.reserve(quads_.size());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-        const std::span<const TexturePoint> t(mesh.texture.data() + mesh.first[f],
-                                              mesh.first[f + 1] - mesh.first[f]);
-        if (t.size() == 4) texture_.push_back({t[0], t[1], t[2], t[3]});
-        for (std::size_t k = 1; t.size() != 4 && k + 1 < t.size(); ++k)
-            texture_.push_back({t[0], t[k], t[k + 1], t[k + 1]});
+        const std::size_t first = mesh.first[f], count = mesh.first[f + 1] - first;
+        add_corners(std::span(mesh.texture).subspan(first, count), texture_);
+        if (!mesh.texture_blends.empty())
+            add_corners(std::span(mesh.texture_blends).subspan(first, count), texture_blends_);
         if (!scene.face_materials.empty()) quad_materials_.resize(texture_.size(), scene.face_materials[f]);
     }
 }
@@ -347,16 +353,28 @@ std::optional<Vec3> TracedScene::object_color(const Hit& hit) const {
     return std::nullopt;
 }
 
-std::optional<TexturePlace> TracedScene::texture_place(const Hit& hit) const {
+std::optional<TexturePlaces> TracedScene::texture_places(const Hit& hit) const {
     if (texture_.empty() || !hit.on_mesh) return std::nullopt;
+    TexturePlaces out{texture_place(hit, texture_[hit.face]),
+                      {},
+                      0,
+                      quad_materials_.empty() ? 0 : quad_materials_[hit.face]};
+    if (texture_blends_.empty()) return out;
+    const auto& blends = texture_blends_[hit.face];
     const auto [corner, vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
-    const auto& t = texture_[hit.face];
+    for (std::size_t k = 0; k < 3; ++k) out.weight += blends[corner[k]].weight * weight[k];
+    if (!(out.weight > 0)) return out;
+    out.second = texture_place(hit, {blends[0].second, blends[1].second, blends[2].second, blends[3].second});
+    return out;
+}
+
+TexturePlace TracedScene::texture_place(const Hit& hit, const std::array<TexturePoint, 4>& t) const {
+    const auto [corner, vertex, weight] = weights_at(quads_[hit.face], hit.u, hit.v);
     const TexturePoint a = t[corner[0]], b = t[corner[1]], c = t[corner[2]];
     TexturePlace out{a.u * weight[0] + b.u * weight[1] + c.u * weight[2],
                      a.v * weight[0] + b.v * weight[1] + c.v * weight[2],
                      {},
-                     {},
-                     quad_materials_.empty() ? 0 : quad_materials_[hit.face]};
+                     {}};
     const Vec3 to_b = positions_[vertex[1]] - positions_[vertex[0]];
     const Vec3 to_c = positions_[vertex[2]] - positions_[vertex[0]];
     const Vec3 across = cross(to_b, to_c);

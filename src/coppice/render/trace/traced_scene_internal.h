@@ -66,7 +66,7 @@ class TracedScene {
     float evidence(std::uint32_t node) const { return evidence_[node]; }
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
     /// Returns the texture coordinates and the material of a hit on the mesh; nullopt without materials.
-    std::optional<TexturePlace> texture_place(const Hit& hit) const;
+    std::optional<TexturePlaces> texture_places(const Hit& hit) const;
     /// Returns the colour that the scene specifies for a vertex or a node, linear; nullopt if it has none.
     std::optional<Vec3> object_color(const Hit& hit) const;
 
@@ -82,6 +82,7 @@ class TracedScene {
     std::size_t drawn_point(std::size_t k) const { return k * cloud_size_ / point_count_; }
     EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
+    TexturePlace texture_place(const Hit& hit, const std::array<TexturePoint, 4>& corners) const;
     template <class T>
     T blend(const Hit& hit, std::span<const T> of_vertices) const;
     Vec3 lifted(const Hit& hit, float side) const;
@@ -96,7 +97,9 @@ class TracedScene {
     std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
     std::vector<Quad> marked_quads_;  ///< marked faces
     std::vector<std::array<TexturePoint, 4>>
-        texture_;                                ///< of the corners of `quads_`; empty without material
+        texture_;  ///< of the corners of `quads_`; empty without material
+    std::vector<std::array<TextureBlend, 4>>
+        texture_blends_;                         ///< of the corners of `quads_`; empty without a second set
     std::vector<std::uint32_t> quad_materials_;  ///< of `quads_`; empty if all have the first material
     std::vector<std::uint8_t> edges_;
     std::span<const float> deviation_, evidence_;
