@@ -45,10 +45,10 @@ std::filesystem::path write_image(const std::filesystem::path& path, Image::Pixe
 void write_moving_bark(const std::filesystem::path& path, const Skeleton& tree,
                        const MaterialFiles& material) {
     MeshOptions options;
-    options.texture = {TextureCoordinates::bark, 0.1f};
+    options.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = true};
     const MeshResult made = mesh_skeleton(tree, options);
     const QuadMesh& rest = made.quads().mesh;
-    MotionWriter motion(path, rest, 3, 24, {made.texture->points, material});
+    MotionWriter motion(path, rest, 3, 24, {{made.texture->points, made.texture->blends}, material});
     for (const float bend : {0.0f, 0.1f, 0.2f}) {
         Buffer<Vec3> positions = rest.positions;
         for (Vec3& p : positions) p.x += bend * p.z * p.z;
@@ -63,17 +63,19 @@ void write_bark(const std::filesystem::path& folder) {
                            .normal = write_image(folder / "normal.png", {128, 128, 255, 255}),
                            .packed = write_image(folder / "orm.png", {255, 200, 0, 255})};
     const Skeleton tree = random_tree(60, 7, true);
-    const auto write = [&](const char* name, MeshMethod method) {
+    const auto write = [&](const char* name, MeshMethod method, bool blend = false) {
         MeshOptions options;
         options.method = method;
         options.attributes = true;
-        options.texture = {TextureCoordinates::bark, 0.1f};
+        options.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = blend};
         const MeshResult made = mesh_skeleton(tree, options);
         std::visit(
             [&](const auto& surface) {
-                write_mesh(
-                    folder / name, surface.mesh,
-                    {.texture = made.texture->points, .attributes = made.attributes, .material = material});
+                write_mesh(folder / name, surface.mesh,
+                           {.texture = made.texture->points,
+                            .texture_blends = made.texture->blends,
+                            .attributes = made.attributes,
+                            .material = material});
             },
             made.surface);
     };
@@ -81,6 +83,7 @@ void write_bark(const std::filesystem::path& folder) {
     write("bark_tetrahedra.glb", MeshMethod::tetrahedra);
     write("bark_cylinders.glb", MeshMethod::cylinders);
     write_moving_bark(folder / "bark_motion.glb", tree, material);
+    write("bark_blended.glb", MeshMethod::quads, true);
     material.normal.clear();
     write("bark_without_normals.glb", MeshMethod::quads);
 }

@@ -186,6 +186,21 @@ TEST(MeshReader, ReadsTextureCoordinatesOfPly) {
     }
 }
 
+TEST(MeshReader, ReadsSecondTextureCoordinatesOfPly) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float s\nproperty float t\nproperty float s1\nproperty float t1\nproperty float blend\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0 5 6 0.5\n1 0 0 1 0 7 8 1.5\n0 1 0 0 1 9 9 0\n3 0 1 2\n";
+    EXPECT_EQ(parse_mesh(text, MeshFormat::ply, "f").texture_blends,
+              (Buffer<TextureBlend>{{{5, 6}, 0.5f}, {{7, 8}, 1}, {{9, 9}, 0}}));  // at most 1
+    EXPECT_TRUE(
+        parse_mesh(replaced(text, "property float blend", "property float other"), MeshFormat::ply, "f")
+            .texture_blends.empty());
+    EXPECT_EQ(error_of(replaced(text, "7 8 1.5", "7 8 nan"), MeshFormat::ply),
+              "f: the weight of the second texture coordinates of vertex 1 is not finite");
+}
+
 TEST(MeshReader, TextureCoordinatesOfLaterElementsBelongToTheirVertices) {
     const std::string text =
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"

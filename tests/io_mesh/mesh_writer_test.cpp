@@ -189,6 +189,33 @@ PolygonMesh textured_cuboid() {
     return mesh;
 }
 
+// The second set has seams of its own, and weights from 0 to 1.
+TEST_F(MeshWriter, SecondTextureCoordinatesAreReadBackByCorner) {
+    PolygonMesh mesh = textured_cuboid();
+    for (std::size_t i = 0; i < mesh.texture.size(); ++i)
+        mesh.texture_blends.push_back({{static_cast<float>(i), -0.5f}, 0.125f * static_cast<float>(i % 9)});
+    const MeshWriteOptions options{.texture = mesh.texture, .texture_blends = mesh.texture_blends};
+    for (const char* name : {"a.ply", "a.glb"}) {
+        SCOPED_TRACE(name);
+        write_mesh(folder_ / name, mesh, options);
+        const PolygonMesh back = read_mesh(folder_ / name);
+        EXPECT_EQ(back.positions.size(), 8u);
+        ASSERT_EQ(back.texture_blends.size(), back.corners.size());
+        for (std::size_t k = 0; k < back.corners.size(); ++k) {
+            const auto at = std::ranges::find(mesh.texture_blends, back.texture_blends[k]);
+            ASSERT_NE(at, mesh.texture_blends.end());
+            const auto corner = static_cast<std::size_t>(at - mesh.texture_blends.begin());
+            EXPECT_EQ(back.texture[k], mesh.texture[corner]);
+            EXPECT_EQ(back.positions[back.corners[k]], mesh.positions[mesh.corners[corner]]);
+        }
+    }
+    EXPECT_NE(written("a.usda", mesh, options).find("float[] primvars:blend = [0, 0.125, 0.25,"),
+              std::string::npos);
+    EXPECT_NE(written("a.usda", mesh, options).find("texCoord2f[] primvars:st1 = [(0, -0.5), (1, -0.5),"),
+              std::string::npos);
+    EXPECT_EQ(written("a.obj", mesh, options), written("b.obj", mesh, {.texture = mesh.texture}));
+}
+
 TEST_F(MeshWriter, TextureCoordinatesAreReadBackByCorner) {
     const PolygonMesh mesh = textured_cuboid();
     for (const char* name : {"a.obj", "a.ply", "a.glb"}) {

@@ -11,7 +11,7 @@ const std::vector<TexturePoint> kTexture{{0, 0},    {0.5f, 0}, {0.5f, 1}, {0, 1}
                                          {0.5f, 0}, {1, 0},    {1, 1},    {0.5f, 1}};
 
 TEST(TextureTable, ListsVerticesAtSeamsOncePerPlace) {
-    const TextureTable table = make_texture_table(kCorners, kTexture, 4);
+    const TextureTable table = make_texture_table(kCorners, {kTexture, {}}, 4);
     EXPECT_EQ(table.vertex, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 3}));
     EXPECT_EQ(table.of_corner, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 4, 5, 2}));
     ASSERT_EQ(table.places.size(), table.vertex.size());
@@ -22,7 +22,7 @@ TEST(TextureTable, ListsVerticesAtSeamsOncePerPlace) {
 }
 
 TEST(TextureTable, DividesTheValuesOfVertices) {
-    const TextureTable table = make_texture_table(kCorners, kTexture, 4);
+    const TextureTable table = make_texture_table(kCorners, {kTexture, {}}, 4);
     const std::vector<float> values{5, 6, 7, 8};
     EXPECT_EQ(divide_at_seams(std::span<const float>(values), table), (std::vector<float>{5, 6, 7, 8, 5, 8}));
 }

@@ -27,13 +27,15 @@ class Recorder : public FrameSink {
   public:
     struct Seen {
         std::vector<QuadMesh> frames;
-        std::vector<Buffer<TexturePoint>> textures;
+        std::vector<Texture> textures;
         int finished = 0;
     };
     explicit Recorder(Seen& seen) : seen_(seen) {}
     void add(const SurfaceFrame& frame, const Context&) override {
         seen_.frames.push_back(frame.mesh);
-        seen_.textures.emplace_back(frame.texture.begin(), frame.texture.end());
+        const auto& [points, blends] = frame.texture;
+        seen_.textures.push_back(
+            {.points{points.begin(), points.end()}, .blends{blends.begin(), blends.end()}});
     }
     void finish(const Context&) override { ++seen_.finished; }
 
@@ -97,17 +99,21 @@ TEST(Animation, SinksReceiveEveryFrame) {
 
 TEST(Animation, FramesHaveTheTextureOfTheSurfaceAtRest) {
     AnimationOptions o = options();
-    o.mesh.texture = {TextureCoordinates::bark, 0.1f};
+    o.mesh.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = true};
     o.material.color = "bark_color.png";
     const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
     SkinnedMesh mesh(fork(), o.mesh);
     const FrameSeries series = make_series(mesh, motion, o);
-    const Buffer<TexturePoint> expected = mesh_skeleton(fork(), o.mesh).texture->points;
-    EXPECT_EQ(Buffer<TexturePoint>(series.texture.begin(), series.texture.end()), expected);
+    const Texture expected = *mesh_skeleton(fork(), o.mesh).texture;
+    EXPECT_TRUE(std::ranges::equal(series.texture.points, expected.points));
+    EXPECT_TRUE(std::ranges::equal(series.texture.blends, expected.blends));
     EXPECT_EQ(series.material.color, o.material.color);
     Recorder::Seen seen;
     make_frames(mesh, motion, recording(seen), {});
-    for (const auto& texture : seen.textures) EXPECT_EQ(texture, expected);
+    for (const Texture& texture : seen.textures) {
+        EXPECT_EQ(texture.points, expected.points);
+        EXPECT_EQ(texture.blends, expected.blends);
+    }
 }
 
 TEST(Animation, GrowingTreesHaveATextureInEveryFrame) {
@@ -118,7 +124,8 @@ TEST(Animation, GrowingTreesHaveATextureInEveryFrame) {
     Recorder::Seen seen;
     make_frames(fork(), growth_frames(o.run), o, recording(seen), {});
     ASSERT_EQ(seen.textures.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(seen.textures[i].size(), 4 * seen.frames[i].quads.size());
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_EQ(seen.textures[i].points.size(), 4 * seen.frames[i].quads.size());
 }
 
 TEST(Animation, ReportsFrozenFrames) {

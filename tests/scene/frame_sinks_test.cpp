@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "coppice/base/error.h"
+#include "coppice/io_mesh/reader.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
 #include "coppice/system/file.h"
@@ -32,13 +33,13 @@ class FrameSinksTest : public test::FolderTest {
         FrameSeries series;
         series.count = 2;
         series.rest = rest;
-        series.texture = texture_;
+        series.texture = {texture_, blends_};
         series.material = material_;
         series.picture.camera.width = series.picture.camera.height = 16;
         series.picture.samples = 1;
         const auto sink = open_sink(path, series);
-        sink->add({square(0), texture_}, {});
-        sink->add({square(0.5f), texture_}, {});
+        sink->add({square(0), series.texture}, {});
+        sink->add({square(0.5f), series.texture}, {});
         sink->finish({});
     }
 
@@ -53,6 +54,7 @@ class FrameSinksTest : public test::FolderTest {
     std::string text(const char* name) const { return read_file(folder_ / name); }
 
     std::vector<TexturePoint> texture_;
+    std::vector<TextureBlend> blends_;
     MaterialFiles material_;
 };
 
@@ -89,6 +91,29 @@ TEST_F(FrameSinksTest, ShowTheMaterial) {
     }
     EXPECT_NE(text("h.usda").find("primvars:st.timeSamples = {\n            0: [(0, 0), (1, 0)"),
               std::string::npos);
+}
+
+TEST_F(FrameSinksTest, WriteAndShowTheSecondSetOfCoordinates) {
+    const QuadMesh rest = square(0);
+    add_material({0, 255, 0, 255});
+    blends_ = {{{0.5f, 0}, 1}, {{1.5f, 0}, 1}, {{1.5f, 1}, 0.25f}, {{0.5f, 1}, 0}};
+    Image image(2, 1);
+    image.pixels = {{255, 0, 0, 255}, {0, 255, 0, 255}};
+    write_file(material_.color, encode_png(image));
+    for (const char* name : {"a.png", "c.ply", "f.glb", "g.usda"}) write(folder_ / name, &rest);
+    write(folder_ / "h.usda", nullptr);
+    const PolygonMesh back = read_mesh(folder_ / "c_0001.ply");
+    EXPECT_EQ(back.texture_blends, Buffer<TextureBlend>(blends_.begin(), blends_.end()));
+    EXPECT_EQ(read_mesh(folder_ / "f.glb").texture_blends.size(), 6u);  // of two triangles
+    EXPECT_NE(text("g.usda").find("primvars:blend = [1, 1, 0.25, 0]"), std::string::npos);
+    EXPECT_NE(text("h.usda").find("primvars:blend.timeSamples = {\n            0: [1, 1, 0.25, 0]"),
+              std::string::npos);
+    EXPECT_NE(text("h.usda").find("primvars:st1.timeSamples = {\n            0: [(0.5, 0), (1.5, 0)"),
+              std::string::npos);
+    const std::string blended = text("a_0001.png");
+    blends_.clear();
+    write(folder_ / "a.png", &rest);
+    EXPECT_NE(text("a_0001.png"), blended);
 }
 
 TEST_F(FrameSinksTest, NumberTheFilesOfASeries) {

@@ -132,7 +132,8 @@ class GlbParser {
             if (const auto mesh = find_index(node, "mesh")) add_mesh(*mesh, transform);
             push(stack, indices(node, "children"), transform);
         }
-        if (!texture_.empty() && mesh_.face_count() > 0) mesh_.set_vertex_texture(std::move(texture_), stop_);
+        if (!texture_.empty() && mesh_.face_count() > 0)
+            mesh_.set_vertex_texture(std::move(texture_), std::move(blends_), stop_);
         return mesh_.take();
     }
 
@@ -259,7 +260,8 @@ class GlbParser {
 
     void add_mesh(std::uint64_t index, const Affine& transform) {
         // Accessors with positions and texture coordinates already in the mesh: primitives share them.
-        std::map<std::pair<std::uint64_t, std::optional<std::uint64_t>>, std::uint32_t> placed;
+        using Accessor = std::optional<std::uint64_t>;
+        std::map<std::array<Accessor, 4>, std::uint32_t> placed;
         for (const json& primitive : array(item("meshes", index), "primitives")) {
             const std::uint64_t mode = find_index(primitive, "mode").value_or(4);
             if (mode < 4) continue;  // points and lines
@@ -270,11 +272,14 @@ class GlbParser {
             if (!position) continue;
             const Elements positions = elements(*position, "VEC3", 3);
             const auto texture = find_index(*attributes, "TEXCOORD_0");
-            const auto [it, is_new] =
-                placed.try_emplace({*position, texture}, static_cast<std::uint32_t>(mesh_.vertex_count()));
+            const auto second = find_index(*attributes, "TEXCOORD_1");
+            const auto blend = find_index(*attributes, "_BLEND");
+            const auto [it, is_new] = placed.try_emplace({position, texture, second, blend},
+                                                         static_cast<std::uint32_t>(mesh_.vertex_count()));
             if (is_new) {
                 add_positions(positions, transform);
                 if (texture) add_texture(*texture, positions.count, index);
+                if (texture && second && blend) add_blends(*second, *blend, positions.count, index);
             }
             mesh_.begin_group(group_name(item("meshes", index), primitive));
             add_triangles(primitive, index, it->second, positions.count, transform.determinant() < 0);
@@ -308,16 +313,34 @@ class GlbParser {
 
     /// Adds the texture coordinates of the last vertices. In glTF, v points down in the image.
     void add_texture(std::uint64_t accessor, std::size_t vertices, std::uint64_t mesh) {
-        const Elements places = elements(accessor, "VEC2", 2);
-        if (places.count != vertices) {
-            fail(fmt::format("mesh {} has {} texture coordinates for {} vertices", mesh, places.count,
-                             vertices));
-        }
+        const Elements places = texture_elements(accessor, "VEC2", 2, vertices, mesh);
         texture_.resize(mesh_.vertex_count() - vertices, TexturePoint{});  // of other meshes
         for (std::size_t i = 0; i < vertices; ++i) {
             texture_.push_back(
                 mesh_.numbered_texture_point(texture_.size(), places.number(i, 0), 1 - places.number(i, 1)));
         }
+    }
+
+    /// Adds the second texture coordinates and their weights.
+    void add_blends(std::uint64_t second, std::uint64_t weight, std::size_t vertices, std::uint64_t mesh) {
+        const Elements places = texture_elements(second, "VEC2", 2, vertices, mesh);
+        const Elements weights = texture_elements(weight, "SCALAR", 1, vertices, mesh);
+        blends_.resize(mesh_.vertex_count() - vertices, TextureBlend{});  // of other meshes
+        for (std::size_t i = 0; i < vertices; ++i) {
+            blends_.push_back(mesh_.numbered_blend(blends_.size(), places.number(i, 0),
+                                                   1 - places.number(i, 1), weights.number(i, 0)));
+        }
+    }
+
+    /// Returns the elements of an accessor with one for every vertex.
+    Elements texture_elements(std::uint64_t accessor, const char* type, std::size_t components,
+                              std::size_t vertices, std::uint64_t mesh) const {
+        const Elements out = elements(accessor, type, components);
+        if (out.count != vertices) {
+            fail(
+                fmt::format("mesh {} has {} texture coordinates for {} vertices", mesh, out.count, vertices));
+        }
+        return out;
     }
 
     /// A mirroring transform inverts the orientation of triangles; reversing them preserves the outside.
@@ -407,6 +430,7 @@ class GlbParser {
     std::string_view buffer_;
     std::vector<bool> visited_;
     Buffer<TexturePoint> texture_;  ///< per vertex, up to the last that has some
+    Buffer<TextureBlend> blends_;   ///< per vertex, up to the last that has some
     std::size_t allowed_;           ///< number of vertices and corners that may still be created
 };
 

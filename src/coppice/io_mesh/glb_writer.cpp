@@ -84,11 +84,31 @@ void write_texture(AtomicFile& file, std::span<const TexturePoint> places, const
     });
 }
 
+void write_blends(AtomicFile& file, std::span<const TextureBlend> blends, const Context& ctx) {
+    write_items(file, blends.size(), {0.7f, 0.7f}, ctx, [&](std::size_t v, Chunk& chunk) {
+        chunk.reserve(sizeof(TexturePoint));
+        chunk.put_raw(TexturePoint{blends[v].second.u, 1 - blends[v].second.v});
+    });
+    write_items(file, blends.size(), {0.7f, 0.7f}, ctx, [&](std::size_t v, Chunk& chunk) {
+        chunk.reserve(sizeof(float));
+        chunk.put_raw(blends[v].weight);
+    });
+}
+
 // Returns coordinates that differ only if they do in the file: where they do not, readers see one vertex.
+TexturePoint round_point(TexturePoint t) { return {t.u, 1 - (1 - t.v)}; }
+
 std::vector<TexturePoint> round_texture(std::span<const TexturePoint> texture) {
     std::vector<TexturePoint> out;
     out.reserve(texture.size());
-    for (const TexturePoint t : texture) out.push_back({t.u, 1 - (1 - t.v)});
+    for (const TexturePoint t : texture) out.push_back(round_point(t));
+    return out;
+}
+
+std::vector<TextureBlend> round_blends(std::span<const TextureBlend> blends) {
+    std::vector<TextureBlend> out;
+    out.reserve(blends.size());
+    for (const TextureBlend& b : blends) out.push_back({round_point(b.second), b.weight});
     return out;
 }
 
@@ -118,8 +138,10 @@ std::string glb_name(std::string name) {
 void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMesh>& out, const Context& ctx) {
     if (for_tangents) {
         const std::vector<TexturePoint> texture = round_texture(given.texture);
+        const std::vector<TextureBlend> blends = round_blends(given.texture_blends);
         MeshView rounded = given;
         rounded.texture = texture;
+        rounded.texture_blends = blends;
         out.emplace(rounded);
         out->divide_for_tangents(ctx);
     } else if (!given.texture.empty()) {
@@ -128,14 +150,19 @@ void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMes
 }
 
 // Lays out the attributes of the vertices, in the order in which they are written.
-json describe_attributes(const MeshView& mesh, bool has_texture, bool has_tangents, GlbLayout& layout) {
+json describe_attributes(const MeshView& mesh, const std::optional<SplitMesh>& split, bool has_tangents,
+                         GlbLayout& layout) {
     const std::size_t count = mesh.positions.size();
     const auto add = [&](std::size_t size, const char* type) {
         return layout.add(count * size, kArrayBuffer, kFloat, count, type);
     };
     json out{{"POSITION", layout.add_vectors(mesh.positions)}, {"NORMAL", layout.add_vectors(count)}};
-    if (has_texture) out["TEXCOORD_0"] = add(sizeof(TexturePoint), "VEC2");
+    if (split) out["TEXCOORD_0"] = add(sizeof(TexturePoint), "VEC2");
     if (has_tangents) out["TANGENT"] = add(sizeof(Tangent), "VEC4");
+    if (split && !split->table.blends.empty()) {
+        out["TEXCOORD_1"] = add(sizeof(TexturePoint), "VEC2");
+        out["_BLEND"] = add(sizeof(float), "SCALAR");
+    }
     for (const VertexAttribute& a : mesh.attributes) out[glb_name(a.name)] = add(sizeof(float), "SCALAR");
     return out;
 }
@@ -158,7 +185,7 @@ void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, c
     const std::vector<Tangent> tangents =
         has_tangents ? compute_tangents(*split, normals, ctx) : std::vector<Tangent>();
     GlbLayout layout;
-    const json attributes = describe_attributes(mesh, split.has_value(), has_tangents, layout);
+    const json attributes = describe_attributes(mesh, split, has_tangents, layout);
     const std::size_t corners = 3 * mesh.triangle_count();
     const std::size_t indices =
         layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
@@ -175,6 +202,7 @@ void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, c
     write_vectors(file, normals, {0.4f, 0.6f}, ctx);
     if (split) write_texture(file, split->table.places, ctx);
     write_tangents(file, tangents, ctx);
+    if (split) write_blends(file, split->table.blends, ctx);
     for (const VertexAttribute& a : mesh.attributes)
         write_attribute(file, a, split, mesh.positions.size(), ctx);
     write_triangles(file, mesh, {0.7f, 1}, ctx);

@@ -14,10 +14,13 @@ namespace coppice {
 MotionWriter::MotionWriter(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames,
                            double rate, MotionTexture texture)
     : path_(path), rest_(rest), texture_(std::move(texture)), missing_(frames) {
-    COPPICE_ASSERT(texture_.points.empty() || texture_.points.size() == 4 * rest.quads.size());
+    const auto& [points, blends] = texture_.coordinates;
+    COPPICE_ASSERT(points.empty() || points.size() == 4 * rest.quads.size());
+    COPPICE_ASSERT(blends.empty() || blends.size() == points.size());
     io_internal::MeshView view(rest);
     view.path = path;
-    view.texture = texture_.points;
+    view.texture = points;
+    view.texture_blends = blends;
     if (!view.texture.empty() && !texture_.material.empty()) view.material = &texture_.material;
     const auto format = mesh_format_of_name(path);
     if (format == MeshFormat::glb) {

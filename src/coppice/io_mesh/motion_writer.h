@@ -14,8 +14,8 @@ namespace coppice {
 
 /// The bark of an animated surface.
 struct MotionTexture {
-    std::span<const TexturePoint> points;  ///< one per corner of the faces; may be empty
-    MaterialFiles material;                ///< images for surfaces with texture coordinates; may be empty
+    TextureView coordinates;  ///< may be empty
+    MaterialFiles material;   ///< images for surfaces with texture coordinates; may be empty
 };
 
 /// Writes an animated surface, with the same faces in all frames, to one file atomically:
@@ -29,7 +29,7 @@ struct MotionTexture {
 /// Otherwise like write_mesh().
 class MotionWriter {
   public:
-    /// `rest` provides the faces and the rest shape; it and the points of the texture must outlive this
+    /// `rest` provides the faces and the rest shape; it and the texture coordinates must outlive this
     /// object. `rate`: frames per second. Throws IoError if the file cannot be written, Unsupported for other
     /// extensions.
     MotionWriter(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate,
@@ -59,7 +59,7 @@ class MotionWriter {
 /// Writes frames with different faces as USDA, with the faces as time samples like the points. `textures` are
 /// the texture coordinates of each frame, or empty. Throws as above.
 void write_changing_mesh(const std::filesystem::path& path, std::span<const QuadMesh> frames, double rate,
-                         std::span<const Buffer<TexturePoint>> textures = {},
-                         const MaterialFiles& material = {}, const Context& ctx = {});
+                         std::span<const Texture> textures = {}, const MaterialFiles& material = {},
+                         const Context& ctx = {});
 
 }  // namespace coppice

@@ -35,7 +35,8 @@ class PlyMeshParser {
                 rows_.skip_element();
             }
         }
-        if (!texture_.empty() && mesh_.face_count() > 0) mesh_.set_vertex_texture(std::move(texture_), ctx_);
+        if (!texture_.empty() && mesh_.face_count() > 0)
+            mesh_.set_vertex_texture(std::move(texture_), std::move(blends_), ctx_);
         return mesh_.take();
     }
 
@@ -49,7 +50,12 @@ class PlyMeshParser {
         }
         const auto s = element.find({"s", "u", "texture_u"});
         const auto t = element.find({"t", "v", "texture_v"});
+        const auto s1 = element.find({"s1"});
+        const auto t1 = element.find({"t1"});
+        const auto blend = element.find({"blend"});
+        const bool has_blends = s && t && s1 && t1 && blend;
         mesh_.reserve_vertices(element.count);
+        if (has_blends) blends_.resize(mesh_.vertex_count(), TextureBlend{});
         if (s && t) texture_.resize(mesh_.vertex_count(), TexturePoint{});  // of other elements
         for (std::uint64_t i = 0; i < element.count; ++i) {
             rows_.read(row_);
@@ -57,6 +63,9 @@ class PlyMeshParser {
             if (!s || !t) continue;
             texture_.push_back(mesh_.numbered_texture_point(mesh_.vertex_count() - 1, scalar(element, *s),
                                                             scalar(element, *t)));
+            if (!has_blends) continue;
+            blends_.push_back(mesh_.numbered_blend(mesh_.vertex_count() - 1, scalar(element, *s1),
+                                                   scalar(element, *t1), scalar(element, *blend)));
         }
     }
 
@@ -88,6 +97,7 @@ class PlyMeshParser {
     const Context& ctx_;
     MeshBuilder mesh_;
     Buffer<TexturePoint> texture_;  ///< per vertex
+    Buffer<TextureBlend> blends_;   ///< per vertex
 };
 
 constexpr std::size_t kStlHead = 84;

@@ -34,6 +34,7 @@ std::string ply_header(const MeshView& mesh, std::string_view size_type) {
     const std::string_view index =
         mesh.positions.size() <= std::numeric_limits<std::int32_t>::max() ? "int" : "uint";
     std::string more = mesh.texture.empty() ? "" : "property float s\nproperty float t\n";
+    if (!mesh.texture_blends.empty()) more += "property float s1\nproperty float t1\nproperty float blend\n";
     for (const VertexAttribute& a : mesh.attributes) more += fmt::format("property float {}\n", a.name);
     return fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment Coppice, metres, {5} up\nelement vertex {0}\n"
@@ -105,13 +106,15 @@ void write_ply(AtomicFile& file, const MeshView& given, const Context& ctx) {
     file.write(ply_header(mesh, small_faces ? "uchar" : "uint"));
     if (mesh.has_origin() || split || !mesh.attributes.empty()) {
         write_items(file, mesh.positions.size(), {0, 0.4f}, ctx, [&](std::size_t v, Chunk& chunk) {
-            chunk.reserve(sizeof(Vec3d) + sizeof(TexturePoint) + sizeof(float) * mesh.attributes.size());
+            chunk.reserve(sizeof(Vec3d) + sizeof(TexturePoint) + sizeof(TextureBlend) +
+                          sizeof(float) * mesh.attributes.size());
             if (mesh.has_origin()) {
                 chunk.put_raw(mesh.origin + Vec3d(mesh.positions[v]));
             } else {
                 chunk.put_raw(mesh.positions[v]);
             }
             if (split) chunk.put_raw(split->table.places[v]);
+            if (split && !split->table.blends.empty()) chunk.put_raw(split->table.blends[v]);
             for (const VertexAttribute& a : mesh.attributes)
                 chunk.put_raw(a.values[SplitMesh::original(split, v)]);
         });

@@ -49,9 +49,13 @@ class MeshBuilder {
     TexturePoint numbered_texture_point(std::size_t vertex, double u, double v) const;
     /// Takes one texture coordinate per corner of the faces.
     void set_texture(Buffer<TexturePoint> of_corners);
-    /// Takes the texture coordinates of the vertices, (0, 0) for those beyond the end; then welds the
-    /// vertices, which files repeat along seams.
-    void set_vertex_texture(Buffer<TexturePoint> of_vertices, const Context& ctx);
+    /// Like `numbered_texture_point`, for a second set and its weight, which is limited to [0, 1].
+    TextureBlend numbered_blend(std::size_t vertex, double u, double v, double weight) const;
+    /// Takes the texture coordinates of the vertices, (0, 0) for those beyond the end, and a second set,
+    /// which may be empty and has weight 0 beyond the end; then welds the vertices, which files repeat along
+    /// seams.
+    void set_vertex_texture(Buffer<TexturePoint> of_vertices, Buffer<TextureBlend> blends,
+                            const Context& ctx);
 
     /// Chooses the origin, rounds the positions to float and returns the mesh. Throws `InvalidInput` if there
     /// is no face.
@@ -59,6 +63,16 @@ class MeshBuilder {
     std::vector<Vec3d> take_vertices() { return std::move(vertices_); }
 
   private:
+    /// Returns the values of the corners; default ones for vertices beyond the end.
+    template <class T>
+    Buffer<T> spread_to_corners(Buffer<T> of_vertices) const {
+        of_vertices.resize(vertices_.size(), T{});
+        Buffer<T> out;
+        out.reserve(mesh_.corners.size());
+        for (const std::uint32_t v : mesh_.corners) out.push_back(of_vertices[v]);
+        return out;
+    }
+
     std::string source_;
     std::vector<Vec3d> vertices_;
     std::vector<std::uint32_t> corners_;

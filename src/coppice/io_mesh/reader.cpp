@@ -142,12 +142,18 @@ void MeshBuilder::set_texture(Buffer<TexturePoint> of_corners) {
     mesh_.texture = std::move(of_corners);
 }
 
-void MeshBuilder::set_vertex_texture(Buffer<TexturePoint> of_vertices, const Context& ctx) {
-    of_vertices.resize(vertices_.size(), TexturePoint{});
-    Buffer<TexturePoint> of_corners;
-    of_corners.reserve(mesh_.corners.size());
-    for (const std::uint32_t v : mesh_.corners) of_corners.push_back(of_vertices[v]);
-    set_texture(std::move(of_corners));
+TextureBlend MeshBuilder::numbered_blend(std::size_t vertex, double u, double v, double weight) const {
+    if (!std::isfinite(weight)) {
+        throw InvalidInput(fmt::format(
+            "{}: the weight of the second texture coordinates of vertex {} is not finite", source_, vertex));
+    }
+    return {numbered_texture_point(vertex, u, v), static_cast<float>(std::clamp(weight, 0.0, 1.0))};
+}
+
+void MeshBuilder::set_vertex_texture(Buffer<TexturePoint> of_vertices, Buffer<TextureBlend> blends,
+                                     const Context& ctx) {
+    set_texture(spread_to_corners(std::move(of_vertices)));
+    if (!blends.empty()) mesh_.texture_blends = spread_to_corners(std::move(blends));
     weld(ctx);
 }
 

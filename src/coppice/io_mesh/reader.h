@@ -24,7 +24,8 @@ namespace coppice {
 ///
 /// Texture coordinates are returned by corner: those of OBJ (vt), the properties s and t, u and v, or
 /// texture_u and texture_v of the vertices of PLY, and TEXCOORD_0 of GLB, with v up in the image. Corners
-/// without coordinates have (0, 0) if others have some.
+/// without coordinates have (0, 0) if others have some. A second set with weights is read too: s1, t1 and
+/// blend of PLY, and TEXCOORD_1 with _BLEND of GLB.
 ///
 /// If coordinates are large relative to the size of the mesh, `origin` stores the offset in double precision,
 /// so that the float positions keep their accuracy; otherwise it is zero.

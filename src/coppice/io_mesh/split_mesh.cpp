@@ -3,7 +3,8 @@
 namespace coppice::io_internal {
 
 TextureTable texture_table(const MeshView& mesh) {
-    return make_texture_table({mesh.corners, mesh.texture.size()}, mesh.texture, mesh.positions.size());
+    return make_texture_table({mesh.corners, mesh.texture.size()}, {mesh.texture, mesh.texture_blends},
+                              mesh.positions.size());
 }
 
 SplitMesh::SplitMesh(const MeshView& mesh)

@@ -99,6 +99,8 @@ void divide_vertices(SplitMesh& mesh, const Context& ctx) {
         }
         mesh.positions.insert(mesh.positions.end(), added[v], mesh.positions[v]);
         mesh.table.places.insert(mesh.table.places.end(), added[v], mesh.table.places[v]);
+        if (!mesh.table.blends.empty())
+            mesh.table.blends.insert(mesh.table.blends.end(), added[v], mesh.table.blends[v]);
         mesh.table.vertex.insert(mesh.table.vertex.end(), added[v], mesh.table.vertex[v]);
     }
 }

@@ -31,11 +31,6 @@ void put_corners(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     });
 }
 
-void put_texture(AtomicFile& file, std::span<const TexturePoint> texture, const Context& ctx) {
-    write_list(file, texture.size(), {0, 1}, ctx,
-               [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, texture[i]); });
-}
-
 /// Writes `name`.timeSamples = { 0: ..., 1: ... }
 template <class Put>
 void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, const Put& put) {
@@ -46,6 +41,26 @@ void write_samples(AtomicFile& file, std::string_view name, std::size_t frames, 
         file.write(",\n");
     }
     file.write("        }\n");
+}
+
+/// Writes the texture coordinates of each frame.
+void write_textures(AtomicFile& file, std::span<const Texture> textures, const Context& ctx) {
+    const auto write = [&](std::string_view name, const auto& put) {
+        file.write(
+            fmt::format("        {} (\n            interpolation = \"faceVarying\"\n        )\n", name));
+        write_samples(file, name, textures.size(), [&](std::size_t frame) {
+            const Texture& texture = textures[frame];
+            write_list(file, texture.points.size(), {0, 1}, ctx,
+                       [&](std::size_t i, Chunk& chunk) { put(texture, i, chunk); });
+        });
+    };
+    write("texCoord2f[] primvars:st",
+          [](const Texture& t, std::size_t i, Chunk& chunk) { put_tuple(chunk, t.points[i]); });
+    if (textures.front().blends.empty()) return;
+    write("texCoord2f[] primvars:st1",
+          [](const Texture& t, std::size_t i, Chunk& chunk) { put_tuple(chunk, t.blends[i].second); });
+    write("float[] primvars:blend",
+          [](const Texture& t, std::size_t i, Chunk& chunk) { put_weight(chunk, t.blends[i]); });
 }
 
 class UsdaMotion : public MotionWriter::Format {
@@ -96,7 +111,7 @@ std::unique_ptr<MotionWriter::Format> usda_motion(const MeshView& rest, std::siz
 }  // namespace io_internal
 
 void write_changing_mesh(const std::filesystem::path& path, std::span<const QuadMesh> frames, double rate,
-                         std::span<const Buffer<TexturePoint>> textures, const MaterialFiles& material,
+                         std::span<const Texture> textures, const MaterialFiles& material,
                          const Context& ctx) {
     using namespace io_internal;
     if (frames.empty())
@@ -115,12 +130,7 @@ void write_changing_mesh(const std::filesystem::path& path, std::span<const Quad
                   [&](std::size_t i) { put_points(file, frames[i].positions, ctx); });
     write_samples(file, "float3[] extent", frames.size(),
                   [&](std::size_t i) { file.write(extent_text(frames[i].positions)); });
-    if (!textures.empty()) {
-        file.write(
-            "        texCoord2f[] primvars:st (\n            interpolation = \"faceVarying\"\n        )\n");
-        write_samples(file, "texCoord2f[] primvars:st", frames.size(),
-                      [&](std::size_t i) { put_texture(file, textures[i], ctx); });
-    }
+    if (!textures.empty()) write_textures(file, textures, ctx);
     write_tail(file, first, Subdivision::none);
     file.commit();
 }

@@ -36,6 +36,7 @@ void put_tuple(Chunk& chunk, Vec3 v);
 void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more = {});
 
 void put_tuple(Chunk& chunk, TexturePoint p);
+void put_weight(Chunk& chunk, TextureBlend blend);
 
 /// Writes the texture coordinates, if there are any.
 void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx);

@@ -44,11 +44,24 @@ std::string extent_text(std::span<const Vec3> positions) {
                        box.high.y, box.high.z);
 }
 
+void put_weight(Chunk& chunk, TextureBlend blend) {
+    chunk.reserve(Chunk::kNumber);
+    chunk.put_number(blend.weight);
+}
+
 void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     if (mesh.texture.empty()) return;
-    write_array(file, "texCoord2f[] primvars:st", mesh.texture.size(), {1, 1}, ctx,
-                [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
-    file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
+    const auto& blends = mesh.texture_blends;
+    const auto write = [&](std::string_view name, const auto& put) {
+        write_array(file, name, mesh.texture.size(), {1, 1}, ctx, put);
+        file.write(" (\n            interpolation = \"faceVarying\"\n        )\n");
+    };
+    write("texCoord2f[] primvars:st",
+          [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, mesh.texture[i]); });
+    if (blends.empty()) return;
+    write("texCoord2f[] primvars:st1",
+          [&](std::size_t i, Chunk& chunk) { put_tuple(chunk, blends[i].second); });
+    write("float[] primvars:blend", [&](std::size_t i, Chunk& chunk) { put_weight(chunk, blends[i]); });
 }
 
 void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision) {

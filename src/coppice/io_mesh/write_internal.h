@@ -57,12 +57,13 @@ struct MeshView {
     const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
     std::size_t face_count = 0;
     std::size_t sides = 0;
-    std::span<const TexturePoint> texture;        ///< one for every corner; may be empty
-    const MaterialFiles* material = nullptr;      ///< of meshes with texture; may be null
-    std::filesystem::path path;                   ///< of the file, for names relative to it
-    std::span<const Vec3> normals;                ///< one for every vertex, for OBJ; may be empty
-    std::span<const VertexAttribute> attributes;  ///< of the vertices
-    FileUp up = FileUp::z;                        ///< up axis named by the comments of OBJ and PLY
+    std::span<const TexturePoint> texture;         ///< one for every corner; may be empty
+    std::span<const TextureBlend> texture_blends;  ///< the second set; one for every corner, or empty
+    const MaterialFiles* material = nullptr;       ///< of meshes with texture; may be null
+    std::filesystem::path path;                    ///< of the file, for names relative to it
+    std::span<const Vec3> normals;                 ///< one for every vertex, for OBJ; may be empty
+    std::span<const VertexAttribute> attributes;   ///< of the vertices
+    FileUp up = FileUp::z;                         ///< up axis named by the comments of OBJ and PLY
 };
 
 /// Returns the table of a mesh with texture coordinates; empty without. O(n).

@@ -78,10 +78,12 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
                 const Context& ctx) {
     const MeshFormat format = format_for(path, options);
     mesh.texture = options.texture;
+    if (format != MeshFormat::obj && format != MeshFormat::stl) mesh.texture_blends = options.texture_blends;
     mesh.attributes = options.attributes;
     mesh.path = path;
     if (!options.texture.empty() && !options.material.empty()) mesh.material = &options.material;
     COPPICE_ASSERT(mesh.texture.empty() || mesh.texture.size() == mesh.first_corner(mesh.face_count));
+    COPPICE_ASSERT(mesh.texture_blends.empty() || mesh.texture_blends.size() == mesh.texture.size());
     for (const VertexAttribute& a : mesh.attributes) COPPICE_ASSERT(a.values.size() == mesh.positions.size());
     std::vector<Vec3> turned, normals;
     if (options.up != FileUp::z && has_no_up(format)) {

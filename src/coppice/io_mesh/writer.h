@@ -22,6 +22,10 @@ struct MeshWriteOptions {
     /// Texture coordinates, one per corner of the faces; may be empty. OBJ and USDA store them by corner, PLY
     /// and GLB by vertex: vertices on seams are written several times. STL has none.
     std::span<const TexturePoint> texture;
+    /// A second set of texture coordinates with weights, one per corner of the faces; may be empty, and needs
+    /// the first. `TEXCOORD_1` and `_BLEND` in GLB, s1, t1 and blend in PLY, and `primvars:st1` and
+    /// `primvars:blend` in USDA; OBJ and STL have none.
+    std::span<const TextureBlend> texture_blends;
     /// Attributes of the vertices; may be empty. `order` is `_ORDER` in GLB, a property of the vertices in
     /// PLY, and `primvars:order` in USDA; OBJ and STL have none.
     std::span<const VertexAttribute> attributes;

@@ -46,9 +46,9 @@ FrameSeries series_with(const AnimationOptions& options, std::size_t count, doub
     return series;
 }
 
-std::span<const TexturePoint> find_texture(const MeshResult& surface) {
+TextureView find_texture(const MeshResult& surface) {
     if (!surface.texture) return {};
-    return surface.texture->points;
+    return {surface.texture->points, surface.texture->blends};
 }
 
 void note(MotionReport& report, std::size_t frame, double time, const ValidFrame& made) {

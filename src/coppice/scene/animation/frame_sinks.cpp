@@ -51,7 +51,9 @@ class Painter {
 
     Image draw(const SurfaceFrame& frame, const Context& ctx) const {
         PolygonMesh mesh = to_polygons(frame.mesh);
-        mesh.texture.assign(frame.texture.begin(), frame.texture.end());
+        const auto& [points, blends] = frame.texture;
+        mesh.texture.assign(points.begin(), points.end());
+        mesh.texture_blends.assign(blends.begin(), blends.end());
         const bool is_plain = !material_ || mesh.texture.empty();
         return render({.mesh = &mesh, .material = is_plain ? nullptr : &*material_, .framed = series_.framed},
                       series_.picture, ctx);
@@ -68,8 +70,8 @@ class MeshFiles : public FrameSink {
     MeshFiles(std::filesystem::path path, const MaterialFiles& material)
         : path_(std::move(path)), material_(material) {}
     void add(const SurfaceFrame& frame, const Context& ctx) override {
-        MeshWriteOptions options{.texture = frame.texture};
-        if (!frame.texture.empty()) options.material = material_;
+        MeshWriteOptions options{.texture = frame.texture.points, .texture_blends = frame.texture.blends};
+        if (!frame.texture.points.empty()) options.material = material_;
         write_mesh(numbered(path_, next_++), frame.mesh, options, ctx);
     }
     void finish(const Context&) override {}
@@ -148,7 +150,11 @@ class ChangingMeshFile : public FrameSink {
         : path_(std::move(path)), material_(series.material), rate_(series.rate) {}
     void add(const SurfaceFrame& frame, const Context&) override {
         frames_.push_back(frame.mesh);
-        if (!frame.texture.empty()) textures_.emplace_back(frame.texture.begin(), frame.texture.end());
+        const auto& [points, blends] = frame.texture;
+        if (points.empty()) return;
+        Texture& texture = textures_.emplace_back();
+        texture.points.assign(points.begin(), points.end());
+        texture.blends.assign(blends.begin(), blends.end());
     }
     void finish(const Context& ctx) override {
         write_changing_mesh(path_, frames_, rate_, textures_, material_, ctx);
@@ -159,7 +165,7 @@ class ChangingMeshFile : public FrameSink {
     MaterialFiles material_;
     double rate_;
     std::vector<QuadMesh> frames_;
-    std::vector<Buffer<TexturePoint>> textures_;
+    std::vector<Texture> textures_;
 };
 
 }  // namespace

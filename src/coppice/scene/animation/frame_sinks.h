@@ -18,17 +18,17 @@ struct FrameSeries {
     double rate = 24;       ///< [1/s] frame rate
     /// surface with the faces of all frames; null if each frame has its own faces
     const QuadMesh* rest = nullptr;
-    std::span<const TexturePoint> texture;  ///< of its corners; may be empty
-    MaterialFiles material;                 ///< of frames with texture coordinates; may be empty
-    int gif_colors = 255;                   ///< maximum number of colours of a GIF
-    RenderOptions picture;                  ///< render options
-    std::vector<Vec3d> framed;              ///< [m] points that all images show
+    TextureView texture;        ///< of its corners; may be empty
+    MaterialFiles material;     ///< of frames with texture coordinates; may be empty
+    int gif_colors = 255;       ///< maximum number of colours of a GIF
+    RenderOptions picture;      ///< render options
+    std::vector<Vec3d> framed;  ///< [m] points that all images show
 };
 
 /// The surface of a frame; refers to values of its maker.
 struct SurfaceFrame {
     const QuadMesh& mesh;
-    std::span<const TexturePoint> texture;  ///< one per corner of the faces; may be empty
+    TextureView texture;  ///< may be empty
 };
 
 /// A consumer of frames, in order. Without finish(), a sink that writes one file leaves none.

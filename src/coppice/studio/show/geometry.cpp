@@ -213,7 +213,7 @@ std::string encode_axes(const SceneObject& object, const GeometryHead& head, Stu
 std::string encode_textured(const Surface& surface, std::span<const TexturePoint> texture,
                             const GeometryHead& head) {
     PolygonMesh mesh = make_polygons(surface);
-    TextureTable table = make_texture_table(mesh.corners, texture, mesh.positions.size());
+    TextureTable table = make_texture_table(mesh.corners, {texture, {}}, mesh.positions.size());
     const std::vector<Vec3> positions = divide_at_seams(std::span<const Vec3>(mesh.positions), table);
     GeometryWriter writer("surface", head, mesh.origin);
     if (std::holds_alternative<QuadMesh>(surface.mesh)) {
