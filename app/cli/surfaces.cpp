@@ -122,7 +122,7 @@ void check_texture(const GivenOptions& given, const TextureOptions& texture) {
     if (has("--material") && is_atlas)
         throw UsageError(
             "--material repeats its images over the surface, which an atlas does not; use --uv bark");
-    for (const std::string_view name : {"--material", "--tile", "--tile-height"}) {
+    for (const std::string_view name : {"--material", "--tile", "--tile-height", "--uv-blend"}) {
         if (has(name) && !is_bark) throw UsageError(fmt::format("{} requires --uv bark", name));
     }
     if (has("--atlas-size") && !is_atlas) throw UsageError("--atlas-size requires --uv atlas");
@@ -147,7 +147,10 @@ void write_surface(const std::filesystem::path& path, const MeshResult& result,
                    const MeshWriteOptions& options, const Context& ctx) {
     MeshWriteOptions complete = options;
     if (const auto* tubes = std::get_if<CylinderMesh>(&result.surface)) complete.texture = tubes->texture;
-    if (result.texture) complete.texture = result.texture->points;
+    if (result.texture) {
+        complete.texture = result.texture->points;
+        complete.texture_blends = result.texture->blends;
+    }
     complete.attributes = result.attributes;
     std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, complete, ctx); }, result.surface);
 }

@@ -113,6 +113,24 @@ TEST_F(SceneMaterials, AreDrawn) {
     EXPECT_NE(draw("oak"), draw("birch"));
 }
 
+TEST_F(SceneMaterials, AreBlendedByTheSecondCoordinates) {
+    Scene scene = make_scene();
+    write_file(file("fork.swc"),
+               "1 0 0 0 0 0.1 -1\n2 0 0 0 1 0.1 1\n3 0 0 0 2 0.09 2\n4 0 0.8 0 1.6 0.04 2\n");
+    scene.run("loadtree fork " + quoted_word(file("fork.swc")));
+    scene.run_text(
+        "mesh fork plain uv=bark material=bark\nmesh fork blended uv=bark material=bark uv_blend=true", "x");
+    const auto draw = [&](const std::string& objects) {
+        scene.run("render " + objects + " kind=mesh width=48 height=48 samples=2 " +
+                  quoted_word(file("a.png")));
+        return decode_picture(read_file(file("a.png")), "a.png");
+    };
+    EXPECT_NE(draw("plain"), draw("blended"));
+    EXPECT_NE(draw("blended plain"), draw("plain"));  // both in one drawing
+    scene.run("save blended " + quoted_word(file("b.ply")));
+    EXPECT_FALSE(read_mesh(file("b.ply")).texture_blends.empty());
+}
+
 TEST_F(SceneMaterials, OfFilesAreDrawnAsThoseOfBark) {
     Scene scene = make_scene();
     scene.run("mesh tree uv=bark material=bark");
@@ -158,6 +176,10 @@ TEST_F(SceneMaterials, RejectUnsuitableValues) {
     Scene scene = make_scene();
     EXPECT_EQ(refusal(scene, "mesh tree material=bark"), "mesh: material= needs uv=bark");
     EXPECT_EQ(refusal(scene, "mesh tree uv=atlas material=bark"), "mesh: material= needs uv=bark");
+    for (const char* options : {"", " uv=atlas", " uv=bark method=cylinders"}) {
+        EXPECT_EQ(refusal(scene, std::string("mesh tree uv_blend=true") + options),
+                  "mesh: uv_blend= needs uv=bark, and another method than cylinders");
+    }
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark displace=true"),
               "mesh: displace= needs a material with heights; add material=");
     EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=tree"), "'tree' is a skeleton, not a material");

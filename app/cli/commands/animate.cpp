@@ -28,6 +28,11 @@ bool has_no_material(const std::filesystem::path& output) {
     return format == MeshFormat::ply || format == MeshFormat::stl;
 }
 
+bool has_one_texture(const std::filesystem::path& output) {
+    const auto format = mesh_format_of_name(output);
+    return format == MeshFormat::obj || format == MeshFormat::stl;
+}
+
 void check_flags(const AnimateFlags& flags) {
     if (flags.tree.empty() || flags.outputs.empty())
         throw UsageError("name the tree and the frames: coppice animate TREE -o FRAMES");
@@ -39,6 +44,8 @@ void check_flags(const AnimateFlags& flags) {
     for (const auto& output : flags.outputs) check_output_folder(output);
     if (!flags.material.empty() && std::ranges::all_of(flags.outputs, has_no_material))
         throw UsageError("--material requires another output than .ply and .stl, which have no materials");
+    if (flags.how.mesh.texture.blend && std::ranges::all_of(flags.outputs, has_one_texture))
+        throw UsageError("--uv-blend requires another output than .obj and .stl, which have no second set");
 }
 
 /// Returns the keys of the file and of the command line; nullopt if there are none.

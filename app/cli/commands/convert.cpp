@@ -67,7 +67,10 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         check_mesh_write_options(flags.mesh, {&flags.output, 1});
         const PolygonMesh mesh = load_mesh(run, flags.input, flags.read.up);
         MeshWriteOptions options = flags.mesh;
-        if (mesh_format_of_name(flags.output) != MeshFormat::stl) options.texture = mesh.texture;
+        if (mesh_format_of_name(flags.output) != MeshFormat::stl) {
+            options.texture = mesh.texture;
+            options.texture_blends = mesh.texture_blends;
+        }
         run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, options, ctx); });
         subject = grouped(mesh.face_count()) + " faces";
     }

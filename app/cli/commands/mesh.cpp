@@ -74,9 +74,11 @@ void check_displacement(const MeshFlags& flags) {
         throw UsageError("--displace does not move the tetrahedra of --volume; leave one of them out");
 }
 
-void check_attributes(const MeshFlags& flags) {
-    if (!writes_one_of(flags, {MeshFormat::glb, MeshFormat::ply, MeshFormat::usda}))
-        throw UsageError("--attributes requires a .glb, .ply or .usda output; none of the outputs is one");
+/// Throws UsageError if no output has the values of vertices that an option adds.
+void check_vertex_values(const MeshFlags& flags, std::string_view option) {
+    if (writes_one_of(flags, {MeshFormat::glb, MeshFormat::ply, MeshFormat::usda})) return;
+    throw UsageError(
+        fmt::format("{} requires a .glb, .ply or .usda output; none of the outputs is one", option));
 }
 
 void check_flags(const MeshFlags& flags) {
@@ -99,8 +101,9 @@ void check_flags(const MeshFlags& flags) {
     }
     if (!flags.volume.empty()) check_volume(flags);
     if (!flags.material.empty()) check_material(flags);
+    if (flags.mesh.texture.blend) check_vertex_values(flags, "--uv-blend");
     if (!flags.heights.empty()) check_displacement(flags);
-    if (flags.mesh.attributes) check_attributes(flags);
+    if (flags.mesh.attributes) check_vertex_values(flags, "--attributes");
     if (flags.cage.empty()) return;
     if (!makes_quads(flags.mesh.method)) throw UsageError("--cage requires --method quads");
     check_mesh_output(flags.cage);
@@ -115,6 +118,8 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) 
     const auto has = [&](std::string_view name) { return is_given(given, name); };
     const bool bmesh = mesh.method == MeshMethod::bmesh;
     check_texture(given, mesh.texture);
+    if (has("--uv-blend") && mesh.method == MeshMethod::cylinders)
+        throw UsageError("--uv-blend does not apply to --method cylinders, which intersect each other");
     for (const std::string_view name : {"--displace-height", "--displace-share"}) {
         if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
     }

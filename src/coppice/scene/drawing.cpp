@@ -32,6 +32,7 @@ class Gatherer {
     void operator()(const Surface& surface) {
         PolygonMesh part = make_polygons(surface);
         if (!surface.texture.empty()) part.texture = surface.texture;
+        if (!surface.texture_blends.empty()) part.texture_blends = surface.texture_blends;
         add(part, surface.material ? number_material(*surface.material) : kNoIndex);
     }
     void operator()(const Skeleton& s) {
@@ -116,6 +117,11 @@ class Gatherer {
         }
         mesh_.texture.insert(mesh_.texture.end(), part.texture.begin(), part.texture.end());
         mesh_.texture.resize(mesh_.corners.size(), TexturePoint{});  // without coordinates: no material
+        if (part.texture_blends.empty() && mesh_.texture_blends.empty()) return;
+        mesh_.texture_blends.resize(mesh_.corners.size() - part.corners.size(), TextureBlend{});
+        mesh_.texture_blends.insert(mesh_.texture_blends.end(), part.texture_blends.begin(),
+                                    part.texture_blends.end());
+        mesh_.texture_blends.resize(mesh_.corners.size(), TextureBlend{});
     }
 
     float point_radius_;

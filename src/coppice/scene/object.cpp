@@ -112,8 +112,10 @@ std::uint64_t compute_memory(const Surface& surface) {
     const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
     const std::uint64_t corners =
         surface.texture.size() + (polygons == nullptr ? 0 : polygons->texture.size());
+    const std::uint64_t blends =
+        surface.texture_blends.size() + (polygons == nullptr ? 0 : polygons->texture_blends.size());
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t) +
-           corners * sizeof(TexturePoint);
+           corners * sizeof(TexturePoint) + blends * sizeof(TextureBlend);
 }
 
 std::string describe_object(const SceneObject& object) {

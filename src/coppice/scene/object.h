@@ -40,6 +40,7 @@ struct Surface {
     std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< in the original representation
     Buffer<TexturePoint> texture =
         {};  ///< per corner; empty if there are no coordinates, or polygons hold them
+    Buffer<TextureBlend> texture_blends = {};      ///< the second set; per corner, or empty
     std::optional<SurfaceMaterial> material = {};  ///< of surfaces with texture coordinates
 };
 /// Returns the surface as polygons.

@@ -270,10 +270,12 @@ std::string displace(const SceneCall& call, MeshResult& result) {
 
 /// Returns the options of textures; the tile is that of the material unless it is given. Throws InvalidInput
 /// for options without the others that they need.
-TextureOptions texture_options(const SceneCall& call) {
+TextureOptions texture_options(const SceneCall& call, MeshMethod method) {
     auto texture = call.options<TextureOptions>("texture");
     if (call.has("material") && texture.coordinates != TextureCoordinates::bark)
         throw InvalidInput("material= needs uv=bark");
+    if (texture.blend && (texture.coordinates != TextureCoordinates::bark || method == MeshMethod::cylinders))
+        throw InvalidInput("uv_blend= needs uv=bark, and another method than cylinders");
     if (call.flag("displace") && !call.has("material"))
         throw InvalidInput("displace= needs a material with heights; add material=");
     if (!call.has("material") || call.has("tile") || call.has("tile_height")) return texture;
@@ -289,7 +291,10 @@ SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string
     if (call.flag("displace")) output += displace(call, result);
     Surface surface;
     std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
-    if (result.texture) surface.texture = std::move(result.texture->points);
+    if (result.texture) {
+        surface.texture = std::move(result.texture->points);
+        surface.texture_blends = std::move(result.texture->blends);
+    }
     if (call.has("material")) surface.material = call.material(call.text("material"));
     const std::uint64_t bytes = compute_memory(surface);
     SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
@@ -332,7 +337,7 @@ SceneCommand mesh_command() {
     c.run = [](const SceneCall& call) {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         auto options = call.options("mesh", options_of_written_surface());
-        options.texture = texture_options(call);
+        options.texture = texture_options(call, options.method);
         const int faces = call.options<FaceNumber>("number").faces;
         if (faces > 0)
             return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));
