@@ -180,9 +180,10 @@ class QuadTexture {
             const auto wraps = static_cast<float>(patch.wraps);
             const float left = tubes_.turns(patch, column) * wraps,
                         right = tubes_.turns(patch, column + 1) * wraps;
-            const float low = tubes_.v(patch, row), high = tubes_.v(patch, row + 1);
-            const std::array<TexturePoint, 4> corner{
-                {{left, low}, {right, low}, {right, high}, {left, high}}};
+            const std::array<TexturePoint, 4> corner{{{left, tubes_.v(patch, column, row)},
+                                                      {right, tubes_.v(patch, column + 1, row)},
+                                                      {right, tubes_.v(patch, column + 1, row + 1)},
+                                                      {left, tubes_.v(patch, column, row + 1)}}};
             std::ranges::copy(corner, corners(i).begin());
             texture_.zones[i] = patch.zone;
             is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;  // rows may have no length
@@ -226,7 +227,7 @@ class QuadTexture {
             for (std::uint32_t row = 0; row <= tubes_.size(); ++row) {
                 for (std::uint32_t column = 0; column <= tubes_.size(); ++column)
                     at[tubes_.vertex(f, column, row)] = {.turns = tubes_.turns(p, column),
-                                                         .v = tubes_.v(p, row)};
+                                                         .v = tubes_.v(p, column, row)};
             }
         }
     }

@@ -122,7 +122,11 @@ BarkPoint TextureTransfer::evaluate(std::uint32_t nearest, Vec3 point) const {
     const Vec2 s = locate(corner, point);
     const Vec3 along = normalized(corner[3] - corner[0] + (corner[2] - corner[1]));
     const float left = texture_.turns(patch, q.column), right = texture_.turns(patch, q.column + 1);
-    const float low = texture_.v(patch, q.row), high = texture_.v(patch, q.row + 1);
+    const auto interpolate_v = [&](std::uint32_t row) {
+        const float first = texture_.v(patch, q.column, row);
+        return first + (texture_.v(patch, q.column + 1, row) - first) * s.x;
+    };
+    const float low = interpolate_v(q.row), high = interpolate_v(q.row + 1);
     return {patch.axis,
             patch.wraps,
             left + (right - left) * s.x,

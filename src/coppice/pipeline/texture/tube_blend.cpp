@@ -41,7 +41,7 @@ void TubeTexture::set_rim(NodeId node, NodeId lateral, std::span<const Collar> c
     if (own.zone == kNoIndex || own.axis == at(node).axis) return;
     std::vector<TexturePoint> rim = find_rim(node, lateral, collars);
     if (rim.empty()) return;
-    const float v = v_[patch_[find_base(lateral, 0, collars)].first_row];
+    const float v = patch_[find_base(lateral, 0, collars)].v[0];
     zones_[own.zone].set_rim(v, std::move(rim), tiles_per_metre(own) / tiles_per_metre(at(node)));
 }
 
@@ -114,7 +114,7 @@ TexturePoint TubeTexture::point_on_side(const Side& side, std::uint32_t step) co
     const TexturePatch& p = patch_[side.cage_quad];
     const std::uint32_t back = size_ - step;
     const std::array<std::uint32_t, 4> column{step, size_, back, 0}, row{0, step, size_, back};
-    return {turns(p, column[side.k]), v(p, row[side.k])};
+    return {turns(p, column[side.k]), v(p, column[side.k], row[side.k])};
 }
 
 }  // namespace coppice::pipeline_internal

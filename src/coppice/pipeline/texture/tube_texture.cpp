@@ -10,6 +10,8 @@ namespace coppice::pipeline_internal {
 namespace {
 
 constexpr std::size_t kTubeGrain = 64;
+// Share of the length of a tube by which differences of v around it may decrease along it.
+constexpr float kMaxDecrease = 0.25f;
 
 // Returns the number of places by which a ring has to be rotated to be closest to another one.
 std::uint32_t best_rotation(std::span<const Vec3> from, std::span<const Vec3> to) {
@@ -46,7 +48,10 @@ TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, 
       sides_(tube_rows_.sides()),
       tube_(build.tubes.size()),
       patch_(build.cage.region.size()),
-      v_(build.tubes.size() * (size_ + 1)) {
+      rows_((build.tubes.size() + 1) * (size_ + 1)),
+      ring_v_(build.tubes.size() * 2 * sides_) {
+    for (std::uint32_t row = 0; row <= size_; ++row)
+        rows_[rows_.size() - 1 - size_ + row] = static_cast<float>(row) / static_cast<float>(size_);
     parallel_for(ctx, tube_.size(), kTubeGrain, [&](std::size_t i) {
         const NodeId tube(static_cast<std::uint32_t>(i));
         if (faces_[i].side.count > 0) measure_rows(tube);
@@ -74,7 +79,7 @@ std::uint32_t TubeTexture::find_edge(std::span<const std::uint32_t> ring, std::u
     return kNoIndex;
 }
 
-// Sets the circumference, and the rows of v for one wrap that begin at 0.
+// Sets the circumference, the rows, and the length for one wrap.
 void TubeTexture::measure_rows(NodeId tube) {
     const CageRun side = faces_[tube.index()].side;
     const std::uint32_t columns = side.count * size_;
@@ -88,7 +93,7 @@ void TubeTexture::measure_rows(NodeId tube) {
         for (std::uint32_t c = 0; c < columns; ++c) sum += distance(ring[c], ring[(c + 1) % columns]);
         return sum;
     };
-    float* const rows = &v_[std::size_t{tube.index()} * (size_ + 1)];
+    float* const rows = &rows_[std::size_t{tube.index()} * (size_ + 1)];
     fill(0, below);
     float around = circumference(below), total = around;
     rows[0] = 0;
@@ -104,6 +109,11 @@ void TubeTexture::measure_rows(NodeId tube) {
         std::swap(below, above);
     }
     at(tube).circumference = total / static_cast<float>(size_ + 1);
+    at(tube).length = rows[size_];
+    for (std::uint32_t row = 1; row <= size_; ++row) {
+        rows[row] = rows[size_] > 0 ? rows[row] / at(tube).length
+                                    : static_cast<float>(row) / static_cast<float>(size_);
+    }
 }
 
 // `current`: 0 at the beginning of a branch.
@@ -130,49 +140,63 @@ void TubeTexture::follow_axes() {
             at(n).wraps = choose_wraps(at(n).circumference, 0);
             begin_zone(n, at(n).wraps);
         }
-        const float* const rows = &v_[std::size_t{n.index()} * (size_ + 1)];
-        at(n).end = at(n).begin + static_cast<float>(at(n).wraps) * rows[size_];
+        set_end(n);
     }
 }
 
 // Continues the branch of the parent's tube. Between the two rings there can be a gap, across which other
 // branches leave.
 void TubeTexture::continue_axis(NodeId tube) {
-    const Tube& before = at(build_.tubes.parent(tube));
+    const NodeId parent = build_.tubes.parent(tube);
+    const Tube& before = at(parent);
     Tube& after = at(tube);
     std::vector<Vec3> from, to;
-    for (const std::uint32_t v : ring(build_.tubes.parent(tube), 1)) from.push_back(position(v));
+    for (const std::uint32_t v : ring(parent, 1)) from.push_back(position(v));
     for (const std::uint32_t v : ring(tube, 0)) to.push_back(position(v));
     const auto count = static_cast<std::uint32_t>(from.size());
     const std::uint32_t rotation = best_rotation(from, to);
-    float gap = 0;
-    for (std::uint32_t k = 0; k < count; ++k) gap += distance(from[k], to[(k + rotation) % count]);
-    gap /= static_cast<float>(count);
+    const float density = static_cast<float>(before.wraps) / std::max(before.circumference, 1e-30f);
+    float sum = 0;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const std::uint32_t next = (k + rotation) % count;
+        sum += ring_v(tube, 0, next) = ring_v(parent, 1, k) + density * distance(from[k], to[next]);
+    }
     after.axis = before.axis;
     after.column = (before.column + count - rotation) % count;
-    after.begin =
-        before.end + static_cast<float>(before.wraps) * gap / std::max(before.circumference, 1e-30f);
+    after.begin = sum / static_cast<float>(count);
     after.wraps = choose_wraps(after.circumference, before.wraps);
     after.zone = before.zone;
     if (after.wraps != before.wraps) begin_zone(tube, before.wraps);
 }
 
+// Sets v at the end of a tube. Differences around it decrease as fast as its length allows.
+void TubeTexture::set_end(NodeId tube) {
+    Tube& own = at(tube);
+    const float length = static_cast<float>(own.wraps) * own.length;
+    own.end = own.begin + length;
+    float most = 0;
+    for (std::uint32_t k = 0; k < sides_; ++k)
+        most = std::max(most, std::abs(ring_v(tube, 0, k) - own.begin));
+    const float share = most > 0 ? std::max(0.0f, 1 - kMaxDecrease * length / most) : 0;
+    for (std::uint32_t k = 0; k < sides_; ++k)
+        ring_v(tube, 1, k) = own.end + share * (ring_v(tube, 0, k) - own.begin);
+}
+
 void TubeTexture::set_sides(NodeId tube) {
     const Tube& own = at(tube);
-    float* const rows = &v_[std::size_t{tube.index()} * (size_ + 1)];
-    for (std::uint32_t row = 0; row <= size_; ++row)
-        rows[row] = own.begin + static_cast<float>(own.wraps) * rows[row];
     const CageRun side = faces_[tube.index()].side;
     const float share = 1 / static_cast<float>(side.count);
     for (std::uint32_t k = 0; k < side.count; ++k) {
         const auto column = static_cast<float>((own.column + k) % side.count);
-        patch_[side.first + k] = {own.axis,
-                                  own.wraps,
-                                  column * share,
-                                  (column + 1) * share,
-                                  tube.index() * (size_ + 1),
-                                  tiles_per_metre(own),
-                                  own.zone};
+        patch_[side.first + k] = {
+            own.axis,
+            own.wraps,
+            column * share,
+            (column + 1) * share,
+            {ring_v(tube, 0, k), ring_v(tube, 0, k + 1), ring_v(tube, 1, k + 1), ring_v(tube, 1, k)},
+            tube.index() * (size_ + 1),
+            tiles_per_metre(own),
+            own.zone};
     }
 }
 
@@ -206,9 +230,12 @@ bool TubeTexture::set_stem_face(std::uint32_t cage_quad, NodeId node) {
     if (build_.tubes.is_root(node) || !leader || at(leader).axis != at(node).axis) return false;
     const Quad& q = cage_.quads[cage_quad];
     const std::uint32_t k = find_edge(ring(node, 1), q[0], q[1]);
-    if (k == kNoIndex || find_edge(ring(leader, 0), q[3], q[2]) == kNoIndex) return false;
+    const std::uint32_t next = find_edge(ring(leader, 0), q[3], q[2]);
+    if (k == kNoIndex || next == kNoIndex) return false;
     const auto column = static_cast<float>((at(node).column + k) % sides_);
-    set_rectangle(cage_quad, node, {column, column + 1}, {at(node).end, at(leader).begin});
+    set_rectangle(
+        cage_quad, node, {column, column + 1},
+        {ring_v(node, 1, k), ring_v(node, 1, k + 1), ring_v(leader, 0, next + 1), ring_v(leader, 0, next)});
     return true;
 }
 
@@ -228,25 +255,25 @@ void TubeTexture::set_collar(const Collar& c, float length) {
     const Tube& own = at(c.lateral);
     const float rise = static_cast<float>(own.wraps) * length / std::max(own.circumference, 1e-30f);
     const auto column = static_cast<float>((own.column + c.edge) % sides_);
+    const float left = ring_v(c.lateral, c.end, c.edge), right = ring_v(c.lateral, c.end, c.edge + 1);
     if (c.end == 0) {
-        set_rectangle(c.cage_quad, c.lateral, {column, column + 1}, {own.begin - rise, own.begin});
+        set_rectangle(c.cage_quad, c.lateral, {column, column + 1}, {left - rise, right - rise, right, left});
     } else {  // seen along the lateral, which ends here, the quad is upside down
-        set_rectangle(c.cage_quad, c.lateral, {column + 1, column}, {own.end + rise, own.end});
+        set_rectangle(c.cage_quad, c.lateral, {column + 1, column}, {right + rise, left + rise, left, right});
     }
 }
 
 void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
-                                std::array<float, 2> v) {
+                                const std::array<float, 4>& v) {
     const float share = 1 / static_cast<float>(sides_);
     patch_[cage_quad] = {at(tube).axis,
                          at(tube).wraps,
                          columns[0] * share,
                          columns[1] * share,
-                         static_cast<std::uint32_t>(v_.size()),
+                         v,
+                         static_cast<std::uint32_t>(rows_.size() - 1 - size_),
                          tiles_per_metre(at(tube)),
                          at(tube).zone};
-    for (std::uint32_t row = 0; row <= size_; ++row)
-        v_.push_back(v[0] + (v[1] - v[0]) * static_cast<float>(row) / static_cast<float>(size_));
 }
 
 // [m] Returns the mean length of the columns of a cage quad.

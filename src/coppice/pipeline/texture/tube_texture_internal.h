@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -29,7 +30,8 @@ struct TexturePatch {
     std::uint32_t wraps = 1;        ///< number of times that the texture is repeated around the branch
     float left = 0;                 ///< [turns] around the branch, at corners 0 and 3
     float right = 0;                ///< [turns] at corners 1 and 2
-    std::uint32_t first_row = 0;    ///< index of v at the first of the rows of vertices
+    std::array<float, 4> v{};       ///< along the branch, at the corners
+    std::uint32_t first_row = 0;    ///< index of the first of the rows of vertices
     float tiles_per_metre = 0;      ///< around the branch
     std::uint32_t zone = kNoIndex;  ///< of its second set; kNoIndex: there is none
 
@@ -41,9 +43,10 @@ struct TexturePatch {
 /// wraps, a whole number; along it, v increases by the mean length of the edges of a row over their
 /// circumference, times the wraps, so that a square texture is not distorted. The number of wraps comes
 /// closest to tiles of the given width, and changes along a branch only where it would be wrong by a factor
-/// of more than the square root of 2. Rows between a branch and the face through which it leaves its parent
-/// continue it backwards. A second set continues the coordinates of the stem into its laterals, and the
-/// number of wraps beyond the rings where it changes.
+/// of more than the square root of 2. At forks, v increases only on the side of the laterals; the difference
+/// around the stem decreases along the next tubes. Rows between a branch and the face through which it leaves
+/// its parent continue it backwards. A second set continues the coordinates of the stem into its laterals,
+/// and the number of wraps beyond the rings where it changes.
 class TubeTexture {
   public:
     /// The build must outlive this object. Uses the width of a tile, and whether there is a second set.
@@ -63,8 +66,12 @@ class TubeTexture {
     float turns(const TexturePatch& p, std::uint32_t column) const {
         return p.left + (p.right - p.left) * static_cast<float>(column) / static_cast<float>(size_);
     }
-    /// Returns v at a row of a patch of vertices, from 0 to size().
-    float v(const TexturePatch& p, std::uint32_t row) const { return v_[p.first_row + row]; }
+    /// Returns v at a column and a row of a patch of vertices, both from 0 to size().
+    float v(const TexturePatch& p, std::uint32_t column, std::uint32_t row) const {
+        const float share = static_cast<float>(column) / static_cast<float>(size_);
+        return std::lerp(std::lerp(p.v[0], p.v[1], share), std::lerp(p.v[3], p.v[2], share),
+                         rows_[p.first_row + row]);
+    }
     /// Returns the second set at a place of a zone; the first set, with weight 0, without a zone.
     TextureBlend blend(std::uint32_t zone, TexturePoint first) const;
     /// Returns the number of branches.
@@ -74,10 +81,11 @@ class TubeTexture {
     // The texture of one tube.
     struct Tube {
         float circumference = 0;  // [m] mean of its rings
+        float length = 0;         // [mean circumferences]
         std::uint32_t axis = kNoIndex;
         std::uint32_t wraps = 1;
         std::uint32_t column = 0;  // of its first cage quad
-        float begin = 0, end = 0;  // v
+        float begin = 0, end = 0;  // mean v of its rings
         std::uint32_t zone = kNoIndex;
     };
     // A quad of the cage between a lateral and the face of the stem through which it leaves.
@@ -105,6 +113,11 @@ class TubeTexture {
     std::uint32_t choose_wraps(float circumference, std::uint32_t current) const;
     void follow_axes();
     void continue_axis(NodeId tube);
+    void set_end(NodeId tube);
+    // v at a vertex of the ring at an end of a tube.
+    float& ring_v(NodeId tube, int end, std::size_t k) {
+        return ring_v_[(2 * std::size_t{tube.index()} + static_cast<std::size_t>(end)) * sides_ + k % sides_];
+    }
     void set_sides(NodeId tube);
     void set_forks(NodeId node);
     bool set_stem_face(std::uint32_t cage_quad, NodeId node);
@@ -117,7 +130,7 @@ class TubeTexture {
     std::optional<Side> find_side_of_stem(NodeId node, std::uint32_t from, std::uint32_t to) const;
     TexturePoint point_on_side(const Side& side, std::uint32_t step) const;
     void set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
-                       std::array<float, 2> v);
+                       const std::array<float, 4>& v);
     float patch_length(std::uint32_t cage_quad) const;
 
     const QuadBuild& build_;
@@ -129,7 +142,8 @@ class TubeTexture {
     std::uint32_t axis_count_ = 0;
     std::vector<Tube> tube_;
     std::vector<TexturePatch> patch_;  // per cage quad
-    Buffer<float> v_;                  // size_ + 1 rows per tube, then those of other patches
+    Buffer<float> rows_;  // shares of the length at size_ + 1 rows per tube, then those at equal distances
+    std::vector<float> ring_v_;  // v at the rings of each tube, first at its beginning
     std::vector<BlendZone> zones_;
 };
 
