@@ -128,6 +128,20 @@ TEST(BarkTexture, BreaksAtAForkOnlyAroundTheLateral) {
     EXPECT_EQ(edges.breaks, 4 * 4 * 4);  // three caps, and the rim of the lateral, of 4 x 4 edges each
 }
 
+TEST(BarkTexture, IsContinuousOppositeLateralsOfOneSide) {
+    // The rings below and above the laterals have a side in common, opposite them.
+    const Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(1)},
+                        {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0.8f, 0, 1.9f}, {0.8f, 0.3f, 1.2f}},
+                        {0.1f, 0.1f, 0.09f, 0.06f, 0.05f});
+    MeshOptions options = with_bark(0.2f);
+    options.levels = 1;
+    const MeshResult made = mesh_skeleton(tree, options);
+    const Edges edges = count_edges(made.quads().mesh, *made.texture);
+    EXPECT_EQ(made.texture->report.transferred, 0u);
+    EXPECT_EQ(made.texture->report.flipped, 0u);
+    EXPECT_EQ(edges.breaks, 4 * 8 + 8);  // four caps, and the common rim of both laterals
+}
+
 TEST(BarkTexture, TurnsNoFaceOverOnAnySkeleton) {
     for (const auto& [name, skeleton] : skeleton_zoo()) {
         for (const MeshMethod method :
