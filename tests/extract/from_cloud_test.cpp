@@ -326,6 +326,13 @@ TEST(FromCloud, RadiiNeverIncreaseTowardsTheTips) {
     }
 }
 
+TEST(FromCloud, ReturnsLeavesExactlyAsTheyWereGiven) {
+    const PointSet set = clusters();
+    const CloudExtraction found = extract_from_cloud(set);
+    ASSERT_GT(found.leaves.size(), 50u);
+    for (const Vec3 leaf : found.leaves.positions) EXPECT_TRUE(std::ranges::count(set.positions, leaf) > 0);
+}
+
 TEST(FromCloud, DoesNotExtractThickBranchesFromClusters) {
     const CloudExtraction found = extract_from_cloud(clusters(), {.leaves = LeafRule::keep});
     const Skeleton& s = found.skeleton;

@@ -13,14 +13,6 @@ namespace {
 
 constexpr std::size_t kMinPoints = 20;
 
-/// Moves points to their frame, and sorts them there.
-CloudFrame enter_frame(Buffer<Vec3>& points, const Context& ctx) {
-    const CloudFrame frame = find_cloud_frame(points);
-    for (Vec3& p : points) p = Vec3(frame.to_frame(Vec3d(p)));
-    points = sorted_without_duplicates(points, ctx);
-    return frame;
-}
-
 /// Removes points of the ground; returns the terrain if it was searched and found.
 Terrain erase_ground(Buffer<Vec3>& points, Vec3d origin, const CloudOptions& options, const Context& ctx) {
     if (options.ground == GroundRule::height) {
@@ -52,7 +44,8 @@ CleanCloud clean_cloud(const PointSet& set, const CloudOptions& options, CloudRe
     }
     CleanCloud out{sorted_without_duplicates(set.positions, ctx), {}, {}};
     Buffer<Vec3>& points = out.points;
-    out.frame = enter_frame(points, ctx);
+    out.frame = find_cloud_frame(points);
+    points = sorted_without_duplicates(enter_frame(out.frame, points, ctx), ctx);
     report.duplicates = set.size() - points.size();
     ctx.throw_if_cancelled();
     const std::size_t whole = points.size();

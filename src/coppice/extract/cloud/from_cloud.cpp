@@ -333,8 +333,10 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     CloudExtraction out{make_result(rough.initial, ctx), cleaning, {}, {{}, set.origin}};
     out.trees = tree_figures(out.skeleton, out.confidence, seen_stems(cloud, stems, ctx));
     out.skeleton = leave_frame(out.skeleton, clean.frame, set.origin);
+    std::vector<Vec3> leaves;
     for (std::size_t p = 0; p < leaf.size(); ++p)
-        if (leaf[p]) out.leaves.positions.emplace_back(clean.frame.to_cloud(Vec3d(cloud.points[p])));
+        if (leaf[p]) leaves.push_back(cloud.points[p]);
+    if (!leaves.empty()) out.leaves.positions = leave_frame(clean.frame, leaves, set.positions, ctx);
     out.report.joined = static_cast<std::uint32_t>(paths.graph.bridges.size()) + paths.graph.wide;
     ctx.report(1);
     return out;

@@ -29,9 +29,9 @@ double widest(const Box3& box) {
     return std::max({size.x, size.y, size.z});
 }
 
-bool before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
-
 }  // namespace
+
+bool comes_before(Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
 Buffer<MortonPlace> morton_order(std::span<const Vec3> points, double edge, const Context& ctx) {
     const Box3 box = compute_bounds(points);
@@ -61,7 +61,7 @@ Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Conte
             sorted.push_back(points[place[last].index]);
         }
         const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(start);
-        std::sort(begin, sorted.end(), before);
+        std::sort(begin, sorted.end(), comes_before);
         sorted.erase(std::unique(begin, sorted.end()), sorted.end());
         first = last;
     }

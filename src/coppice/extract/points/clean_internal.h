@@ -21,6 +21,9 @@ struct MortonPlace {
 /// Replaces an edge too short for the extent of the points by the minimum. O(n).
 Buffer<MortonPlace> morton_order(std::span<const Vec3> points, double edge, const Context& ctx);
 
+/// Returns whether a is before b in the order by x, then y, then z.
+bool comes_before(Vec3 a, Vec3 b);
+
 /// Sorts points along a Morton curve, so that neighbours in space are close in memory, and removes
 /// duplicates. O(n log n).
 Buffer<Vec3> sorted_without_duplicates(std::span<const Vec3> points, const Context& ctx);

@@ -1,7 +1,12 @@
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
+#include "coppice/base/id.h"
 #include "coppice/base/median.h"
+#include "coppice/base/parallel.h"
+#include "coppice/extract/points/clean_internal.h"
 #include "coppice/extract/points/cloud_frame_internal.h"
 
 namespace coppice::extract_internal {
@@ -25,6 +30,8 @@ std::vector<Vec3d> exclude_far_points(std::span<const Vec3> points) {
     return near;
 }
 
+constexpr std::size_t kPointGrain = 4096;
+
 }  // namespace
 
 CloudFrame find_cloud_frame(std::span<const Vec3> points) {
@@ -44,6 +51,37 @@ CloudFrame find_cloud_frame(std::span<const Vec3> points) {
         skew += along * along * along;
     }
     return skew < 0 ? CloudFrame{frame.x, frame.y, -frame.cosine, -frame.sine} : frame;
+}
+
+Buffer<Vec3> enter_frame(const CloudFrame& frame, std::span<const Vec3> points, const Context& ctx) {
+    Buffer<Vec3> out(points.size());
+    parallel_for(ctx, points.size(), kPointGrain,
+                 [&](std::size_t i) { out[i] = Vec3(frame.to_frame(Vec3d(points[i]))); });
+    return out;
+}
+
+Buffer<Vec3> leave_frame(const CloudFrame& frame, std::span<const Vec3> points, std::span<const Vec3> cloud,
+                         const Context& ctx) {
+    Buffer<Vec3> out;
+    for (const Vec3 p : points) out.emplace_back(frame.to_cloud(Vec3d(p)));
+    std::vector<std::uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, comes_before, [&](std::uint32_t i) { return points[i]; });
+    const Buffer<Vec3> entered = enter_frame(frame, cloud, ctx);
+    std::vector<std::uint32_t> place(cloud.size(), kNoIndex);
+    parallel_for(ctx, cloud.size(), kPointGrain, [&](std::size_t i) {
+        const auto at = std::ranges::lower_bound(order, entered[i], comes_before,
+                                                 [&](std::uint32_t k) { return points[k]; });
+        if (at != order.end() && points[*at] == entered[i]) place[i] = *at;
+    });
+    std::vector<std::uint8_t> is_found(points.size(), 0);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const std::uint32_t k = place[i];
+        if (k == kNoIndex || (is_found[k] != 0 && !comes_before(cloud[i], out[k]))) continue;
+        out[k] = cloud[i];  // of points that round to the same one, the first by position
+        is_found[k] = 1;
+    }
+    return out;
 }
 
 }  // namespace coppice::extract_internal

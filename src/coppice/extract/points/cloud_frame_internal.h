@@ -2,6 +2,8 @@
 
 #include <span>
 
+#include "coppice/base/column.h"
+#include "coppice/base/context.h"
 #include "coppice/base/vec.h"
 
 namespace coppice::extract_internal {
@@ -27,5 +29,13 @@ struct CloudFrame {
 /// Returns the frame of at least one point: x is the horizontal direction of the greatest variance, towards
 /// the side where the points are farther out. Points very far from the others do not count. O(n).
 CloudFrame find_cloud_frame(std::span<const Vec3> points);
+
+/// Returns the points [m] in the frame, rounded. O(n).
+Buffer<Vec3> enter_frame(const CloudFrame& frame, std::span<const Vec3> points, const Context& ctx);
+
+/// Returns for points of the frame, which must differ, exactly the points of the cloud from which
+/// enter_frame() made them. Others, as means of points, are turned back. O(cloud log points).
+Buffer<Vec3> leave_frame(const CloudFrame& frame, std::span<const Vec3> points, std::span<const Vec3> cloud,
+                         const Context& ctx);
 
 }  // namespace coppice::extract_internal
