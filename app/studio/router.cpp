@@ -135,7 +135,8 @@ Plan Router::plan_file(const HttpHead& head, std::string_view name) const {
 HttpReply Router::blob(const SendBlob& wanted) const {
     StudioBytes bytes = engine_.blob(wanted.key);
     if (!bytes) return sentence(404, "this geometry no longer exists; request it again");
-    return {.type = std::string(find_type(*bytes)), .body = std::move(bytes)};
+    std::string type(find_type(*bytes));
+    return {.type = std::move(type), .body = std::move(bytes)};
 }
 
 HttpReply Router::file(const SendFile& wanted) const {

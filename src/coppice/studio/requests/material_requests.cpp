@@ -54,7 +54,7 @@ std::string offer_file(Studio& studio, const fs::path& file) {
     studio.check_size(bytes, name);
     const std::uint64_t hash =
         Hash().add(std::span<const char>(name)).add(bytes).add(time.time_since_epoch().count()).value();
-    const std::string key = fmt::format("image-{:016x}", hash);
+    std::string key = fmt::format("image-{:016x}", hash);
     studio.blobs.offer(key, [sandbox, name, bytes]() -> std::optional<std::string> {
         return read_file(sandbox->to_read(name), bytes);
     });
