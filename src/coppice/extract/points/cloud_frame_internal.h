@@ -26,7 +26,7 @@ struct CloudFrame {
     }
 };
 
-/// Returns the frame of at least one point: x is the horizontal direction of the greatest variance, towards
+/// Returns the frame of at least one point: x is the horizontal direction of the largest variance, towards
 /// the side where the points are farther out. Points very far from the others do not count. O(n).
 CloudFrame find_cloud_frame(std::span<const Vec3> points);
 

@@ -338,12 +338,13 @@ RemeshResult repair_intersections(QuadMesh& mesh, const UntangleReport& untangle
         std::erase_if(severed, std::not_fn(is_wanted));
         std::erase_if(folded, std::not_fn(has_wanted));
     }
-    RemeshResult out{.report = {.is_searched = wanted.empty()}, .trace = {}};
-    if (found.pairs.empty() && lossy.empty() && severed.empty() && folded.empty()) return out;
-    Remeshing remeshing(found.tubes, build, ctx);
-    out.report = remeshing.run(found.pairs, lossy, severed, folded);
+    RemeshResult out;
+    if (!found.pairs.empty() || !lossy.empty() || !severed.empty() || !folded.empty()) {
+        Remeshing remeshing(found.tubes, build, ctx);
+        out.report = remeshing.run(found.pairs, lossy, severed, folded);
+        out.trace = remeshing.finish(mesh, out.report);
+    }
     out.report.is_searched = wanted.empty();
-    out.trace = remeshing.finish(mesh, out.report);
     return out;
 }
 
