@@ -39,10 +39,10 @@ struct Prototype {
 
 /// Placed copies of prototypes. All vectors have the same length.
 struct Instances {
-    std::vector<std::uint32_t> prototypes;            ///< index of the prototype
-    std::vector<Vec3> positions;                      ///< [m] of the point of attachment, relative to `origin`
-    std::vector<Rotation> rotations;                  ///< from the frame of the prototype to that of the tree
-    std::vector<float> scales;                        ///< > 0
+    std::vector<std::uint32_t> prototypes;  ///< index of the prototype
+    std::vector<Vec3> positions;            ///< [m] of the point of attachment, relative to `origin`
+    std::vector<Rotation> rotations;        ///< from the frame of the prototype to that of the tree
+    std::vector<float> scales;              ///< > 0
     std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB, multiplied with that of the material
     Vec3d origin;                                     ///< [m]
 

@@ -27,8 +27,8 @@ struct FrameSeries {
 
 /// The surface of a frame; refers to values of its maker.
 struct SurfaceFrame {
-    const QuadMesh& mesh;
-    TextureView texture;  ///< may be empty
+    const QuadMesh& mesh;  ///< with the faces of the series, or its own
+    TextureView texture;   ///< of its corners; may be empty
 };
 
 /// A consumer of frames, in order. Without finish(), a sink that writes one file leaves none.
