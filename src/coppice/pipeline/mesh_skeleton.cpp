@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -269,19 +270,20 @@ double deviation(const MeshResult& made) {
     return std::abs((made.fitted ? made.fitted->after : made.measured->mesh) / cones - 1);
 }
 
-// A surface without levels gets the correct volume if possible: its few sides have it for straight branches
-// only, so it is always fitted; but where much is cut off, the result can be far from it.
-BuiltMesh make_coarsest(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
-                        const Context& ctx) {
+// Computes a surface with one fit, and with another one if its volume deviates by more than `tolerance`;
+// returns the closer result.
+BuiltMesh make_closer(const Skeleton& skeleton, const PointSet& constraints, const MeshOptions& options,
+                      std::array<Fit, 2> fits, double tolerance, const Context& ctx) {
     MeshOptions plain = options;
     plain.texture = {};  // added to the better one
     plain.attributes = false;
-    MeshOptions fitting = plain;
-    fitting.fit = Fit::volume;
-    BuiltMesh best = make_surface(skeleton, constraints, fitting, Use::still, narrow_progress(ctx, 0, 0.5f));
-    if (deviation(best.result) > kMaxDeviation) {
-        BuiltMesh other =
-            make_surface(skeleton, constraints, plain, Use::still, narrow_progress(ctx, 0.5f, 1));
+    const auto make = [&](Fit fit, const Context& part) {
+        plain.fit = fit;
+        return make_surface(skeleton, constraints, plain, Use::still, part);
+    };
+    BuiltMesh best = make(fits[0], narrow_progress(ctx, 0, 0.9f));
+    if (deviation(best.result) > tolerance) {
+        BuiltMesh other = make(fits[1], narrow_progress(ctx, 0.9f, 1));
         if (deviation(other.result) < deviation(best.result)) best = std::move(other);
     }
     add_data(best, options, ctx);
@@ -294,9 +296,13 @@ BuiltMesh make_mesh(const Skeleton& skeleton, const PointSet& constraints, const
     check_fields(options, "mesh");
     check_fields(options.texture, "mesh");
     check_sides(options);
-    if (options.levels == 0 && use != Use::posed && fits_where_off(options))
-        return make_coarsest(skeleton, constraints, options, ctx);
-    return make_surface(skeleton, constraints, options, use, ctx);
+    if (use == Use::posed || !fits_where_off(options))
+        return make_surface(skeleton, constraints, options, use, ctx);
+    // The few sides of a cage have the correct volume for straight branches only, so it is fitted first.
+    if (options.levels == 0)
+        return make_closer(skeleton, constraints, options, {Fit::volume, Fit::automatic}, kMaxDeviation, ctx);
+    return make_closer(skeleton, constraints, options, {Fit::automatic, Fit::volume},
+                       VolumeReport::kMaxDeviation, ctx);
 }
 
 PolygonMesh make_polygons(const PolygonMesh& mesh) { return mesh; }

@@ -371,6 +371,22 @@ void pull_back(Fit& fit) {
     pipeline_internal::apply_offsets(fit.moving(), fit.offset, fit.positions, fit.ctx);
 }
 
+/// Reduces all displacements by the factor that results in the volume, which is between the volumes without
+/// and with them.
+void reduce_offsets(Fit& fit, double before, double cones) {
+    constexpr int kHalvings = 20;
+    const std::vector<float> full = fit.offset;
+    double low = 0, high = 1;
+    for (int k = 0; k < kHalvings; ++k) {
+        const double share = 0.5 * (low + high);
+        std::ranges::transform(full, fit.offset.begin(),
+                               [&](float offset) { return static_cast<float>(share) * offset; });
+        pipeline_internal::apply_offsets(fit.moving(), fit.offset, fit.positions, fit.ctx);
+        ((volume(fit) < cones) == (before < cones) ? low : high) = share;
+    }
+    pull_back(fit);
+}
+
 void report_offsets(const Fit& fit, FitVolumeReport& report) {
     for (std::size_t v = 0; v < fit.vertex_count(); ++v) {
         report.pulled_back += fit.held[v];
@@ -417,6 +433,9 @@ FitVolumeReport fit_polygons(PolygonMesh start, Buffer<Vec3>& positions, const S
         close(fit, report.cones);
         pull_back(fit);
     }
+    // Where chords between few vertices cut corners, sections may move too far.
+    if (!is_near(kExact) && (volume(fit) < report.cones) != (report.before < report.cones))
+        reduce_offsets(fit, report.before, report.cones);
     report.after = volume(fit);
     report_offsets(fit, report);
     positions = std::move(fit.positions);

@@ -22,8 +22,7 @@ namespace {
 constexpr float kFirstZone = 5;
 constexpr float kZoneGrowth = 4;
 constexpr float kMaxZone = 100;
-constexpr int kLevelsOfSevered = 2;  // minimum number of levels at which severed axes are searched
-constexpr int kRoundsForFolds = 3;   // rounds in which cut rings are moved for folded quads alone
+constexpr int kRoundsForFolds = 3;  // rounds in which cut rings are moved for folded quads alone
 
 class Remeshing {
   public:
@@ -322,11 +321,10 @@ RemeshResult repair_intersections(QuadMesh& mesh, const UntangleReport& untangle
     if (count >= kMaxPairs)
         return {.report = {.is_searched = true, .pairs_before = count, .pairs_after = count}, .trace = {}};
     std::vector<TubeRow> lossy = find_lossy_rows(build, found.tubes, ctx);
-    // A section that enters another branch is cut off on purpose unless both become one body. Coarse surfaces
-    // keep their number of faces, and those of other methods their own joints.
+    // A section that enters another branch is cut off on purpose unless both become one body. Surfaces of
+    // other methods keep their own joints.
     std::vector<TubeRow> severed;
-    if (options.method == MeshMethod::quads && options.overlaps == Overlaps::merge &&
-        levels >= kLevelsOfSevered)
+    if (options.method == MeshMethod::quads && options.overlaps == Overlaps::merge)
         severed = find_severed_rows(build, found.tubes, ctx);
     std::vector<std::uint32_t> folded = folded_quads(mesh, untangled);
     if (!wanted.empty()) {
