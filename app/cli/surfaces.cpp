@@ -113,6 +113,12 @@ void tell_device(Run& run, const Surface& surface) {
 }
 void tell_device(Run&, const CylinderMesh&) {}
 
+// Returns whether the surface is a cage, which is neither subdivided nor repaired.
+bool is_cage(const MeshResult& result) {
+    const auto* quads = std::get_if<QuadSurface>(&result.surface);
+    return quads != nullptr && quads->cage.cage.quads.size() == quads->mesh.quads.size();
+}
+
 }  // namespace
 
 void check_texture(const GivenOptions& given, const TextureOptions& texture) {
@@ -241,9 +247,11 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
     Json& axes = run.counts()["axes"] = compute_figures(verdict->axes);
     axes.update({{"tips", verdict->axes.tips}, {"tips_short", verdict->axes.short_tips}});
     for (const std::string& fault : find_faults(verdict->axes)) run.warn(fault);
-    if (verdict->crossings > 0)
-        run.warn(fmt::format("{} of quads still intersect; coppice check lists the places",
-                             counted(verdict->crossings, "pair")));
+    if (verdict->crossings > 0) {
+        run.warn(fmt::format("{} of quads still intersect; {}", counted(verdict->crossings, "pair"),
+                             is_cage(result) ? "a cage is not repaired: use --levels 1 or more, or --faces"
+                                             : "coppice check lists the places"));
+    }
     return out;
 }
 

@@ -24,6 +24,8 @@ namespace coppice {
 namespace {
 
 constexpr int kMaxLevels = 5;
+// Levels of a surface that is thinned out to the sides of its cage, since cages are not repaired.
+constexpr int kRepairedLevels = 1;
 // Density of rings relative to the given options.
 constexpr double kMinDensity = 0.1, kMaxDensity = 16;
 // [radii] maximum displacement of the surface by a lower density of rings.
@@ -138,15 +140,18 @@ class CageFaces {
     std::map<double, double> counts_;
 };
 
-// Plans with sides by radius, all branches and the rings of the given options.
+// Returns a plan with all branches and the given options.
+FaceBudget plan_with_all(const Skeleton& skeleton, const MeshOptions& given) {
+    return {skeleton, given, 0, AxesBySilhouette(skeleton).count()};
+}
+
+// Plans with sides by radius, and the branches and rings of another plan.
 class RadiusPlanner {
   public:
-    RadiusPlanner(const Skeleton& skeleton, const MeshOptions& given, const Context& ctx)
-        : skeleton_(skeleton),
-          given_(given),
-          cage_(cage_with(skeleton, given, ctx)),
-          thickest_(pipeline_internal::thickest_radius(cage_.tubes)),
-          axes_(AxesBySilhouette(skeleton).count()) {}
+    RadiusPlanner(FaceBudget base, const Context& ctx)
+        : base_(std::move(base)),
+          cage_(cage_with(base_.skeleton, base_.options, ctx)),
+          thickest_(pipeline_internal::thickest_radius(cage_.tubes)) {}
 
     // [m] chord error at which the thickest axis has as many sides as this number of levels produces.
     float chord_error_at(int levels) const {
@@ -161,10 +166,10 @@ class RadiusPlanner {
     }
 
     FaceBudget with(int levels, float chord_error) const {
-        FaceBudget out{skeleton_, given_, faces_with(levels, chord_error)};
+        FaceBudget out = base_;
+        out.faces = faces_with(levels, chord_error);
         out.options.chord_error = chord_error;
         out.options.levels = levels;
-        out.axes = axes_;
         return out;
     }
 
@@ -182,7 +187,7 @@ class RadiusPlanner {
     }
 
   private:
-    std::uint32_t sides() const { return static_cast<std::uint32_t>(given_.control.sides); }
+    std::uint32_t sides() const { return static_cast<std::uint32_t>(base_.options.control.sides); }
     bool fits(int levels, double goal) const {
         return static_cast<double>(faces_with(levels, chord_error_at(levels))) <= goal;
     }
@@ -190,17 +195,16 @@ class RadiusPlanner {
         return pipeline_internal::faces_by_radius(cage_.cage, cage_.tubes, levels, chord_error);
     }
 
-    const Skeleton& skeleton_;
-    const MeshOptions& given_;
+    FaceBudget base_;
     QuadBuild cage_;
     float thickest_;
-    std::uint32_t axes_;
 };
 
-// Number of levels, density of the rings, and resulting number of faces of the cage.
+// Number of levels, density of the rings, and resulting numbers of faces of the cage and of the surface.
 struct Rings {
     int levels = 0;
     double density = 1, faces = 0;
+    double surface_faces() const { return std::ldexp(faces, 2 * levels); }
 };
 
 // Returns the density of rings at which the cage has approximately this number of faces.
@@ -222,66 +226,85 @@ Rings density_for(double wanted, CageFaces& cage) {
     return best;
 }
 
-// Plans with the same number of sides everywhere.
+// Plans with the same number of sides everywhere. Counts are stored for the following plans.
 class RingPlanner {
   public:
-    RingPlanner(const Skeleton& skeleton, const MeshOptions& given, std::uint64_t faces, const Context& ctx)
-        : skeleton_(skeleton), given_(given), goal_(static_cast<double>(faces)), ctx_(ctx), axes_(skeleton) {}
+    RingPlanner(const Skeleton& skeleton, const MeshOptions& given, const Context& ctx)
+        : skeleton_(skeleton), given_(given), ctx_(ctx), axes_(skeleton), all_(skeleton, given, ctx) {}
 
-    FaceBudget plan() {
-        CageFaces drawn(skeleton_, given_, ctx_);
-        int levels = std::clamp(static_cast<int>(std::lround(std::log(goal_ / drawn.at(1)) / std::log(4.0))),
-                                0, kMaxLevels);
+    FaceBudget plan(double goal) {
+        int levels = levels_closest_to(goal);
         // Prefers more rings to fewer branches.
-        if (levels > 0 && drawn.at(kMinDensity) > wanted(levels)) --levels;
+        if (levels > 0 && all_.at(kMinDensity) > cage_goal(goal, levels)) --levels;
         std::uint32_t laterals = axes_.lateral_count();
-        if (drawn.at(kMinDensity) > wanted(levels)) {
-            laterals = max_laterals(levels);
-            if (laterals < axes_.lateral_count()) drawn = with(laterals);
+        std::optional<CageFaces> some;
+        if (all_.at(kMinDensity) > cage_goal(goal, levels)) {
+            laterals = max_laterals(cage_goal(goal, levels));
+            if (laterals < axes_.lateral_count()) some = with(laterals);
         }
-        Rings best = rings_at(levels, drawn);
+        CageFaces& drawn = some ? *some : all_;
+        Rings best = rings_at(goal, levels, drawn);
         // With few branches there are too few rings to choose from: four times as many and as large faces
         // come closer.
-        if (levels > 0 && off(best) > kFar) {
-            const Rings more = rings_at(levels - 1, drawn);
-            if (off(more) < off(best)) best = more;
+        if (levels > 0 && compute_error(best.surface_faces(), goal) > kFar) {
+            const Rings more = rings_at(goal, levels - 1, drawn);
+            if (compute_error(more.surface_faces(), goal) < compute_error(best.surface_faces(), goal))
+                best = more;
         }
-        FaceBudget out{drawn.skeleton(), with_density(given_, best.density), 0,
-                       axes_.count(),    axes_.lateral_count() - laterals,   axes_.share_without(laterals)};
-        out.options.levels = best.levels;
-        out.options.tube_sides = TubeSides::equal;
-        out.faces = static_cast<std::uint64_t>(best.faces) << (2 * best.levels);
+        FaceBudget out{drawn.skeleton(),
+                       with_density(given_, best.density),
+                       static_cast<std::uint64_t>(best.surface_faces()),
+                       axes_.count(),
+                       axes_.lateral_count() - laterals,
+                       axes_.share_without(laterals)};
+        if (best.levels == 0 && given_.tube_sides == TubeSides::by_radius) {
+            out.options.levels = kRepairedLevels;
+            out.options.chord_error = *std::ranges::max_element(skeleton_.radii());
+        } else {
+            out.options.levels = best.levels;
+            out.options.tube_sides = TubeSides::equal;
+        }
         return out;
     }
 
   private:
-    // Requested number of faces of the cage.
-    double wanted(int levels) const { return std::ldexp(goal_, -2 * levels); }
-    double off(const Rings& r) const { return compute_error(r.faces, wanted(r.levels)); }
+    // Returns the number of faces of a cage for a surface with the requested number.
+    static double cage_goal(double goal, int levels) { return std::ldexp(goal, -2 * levels); }
+    int levels_closest_to(double goal) {
+        const double levels = std::log(goal / all_.at(1)) / std::log(4.0);
+        return std::clamp(static_cast<int>(std::lround(levels)), 0, kMaxLevels);
+    }
     CageFaces with(std::uint32_t laterals) const { return {axes_.with(laterals), given_, ctx_}; }
 
-    // Returns the maximum number of laterals that, at the lowest density of rings, do not exceed the
-    // requested number of faces.
-    std::uint32_t max_laterals(int levels) const {
+    // Returns the minimum number of faces of a cage with some laterals.
+    double min_faces(std::uint32_t laterals) {
+        const auto [found, is_new] = min_faces_.try_emplace(laterals, 0.0);
+        if (is_new) found->second = with(laterals).at(kMinDensity);
+        return found->second;
+    }
+
+    // Returns the maximum number of laterals of a cage with this number of faces.
+    std::uint32_t max_laterals(double cage_faces) {
         std::uint32_t fits = 0, too_many = axes_.lateral_count();
         while (fits + 1 < too_many) {
             const std::uint32_t middle = fits + (too_many - fits) / 2;
-            (with(middle).at(kMinDensity) <= wanted(levels) ? fits : too_many) = middle;
+            (min_faces(middle) <= cage_faces ? fits : too_many) = middle;
         }
         return fits;
     }
 
-    Rings rings_at(int levels, CageFaces& drawn) const {
-        Rings out = density_for(wanted(levels), drawn);
+    static Rings rings_at(double goal, int levels, CageFaces& drawn) {
+        Rings out = density_for(cage_goal(goal, levels), drawn);
         out.levels = levels;
         return out;
     }
 
     const Skeleton& skeleton_;
     const MeshOptions& given_;
-    double goal_;
     const Context& ctx_;
     AxesBySilhouette axes_;
+    CageFaces all_;
+    std::map<std::uint32_t, double> min_faces_;  // by the number of laterals
 };
 
 void check_budget(const MeshOptions& given, std::uint64_t faces) {
@@ -312,10 +335,15 @@ class BudgetSearch {
           ctx_(ctx) {}
 
     BudgetedMesh run() {
-        if (options_.tube_sides == TubeSides::by_radius) search_sides();
+        if (options_.tube_sides == TubeSides::by_radius) search_sides(plan_with_all(skeleton_, options_));
         // Many branches may have the same radius, so that no number of sides gives the requested number.
-        if (best_ && off(*best_) > kFar) compute_search_rings(FaceBudget(best_->budget));
-        if (!best_ || off(*best_) > kFar) search_rings();
+        if (best_ && !is_close()) search_density(below_.value_or(Made{best_->budget, count(*best_)}));
+        if (!is_close()) search_rings();
+        // A branch may add many faces at once, where it intersects others.
+        if (!is_close() && below_ && options_.tube_sides == TubeSides::by_radius) {
+            search_sides(FaceBudget(below_->budget));
+            if (!is_close()) search_density(Made(*below_));
+        }
         name_stages();
         return std::move(*best_);
     }
@@ -324,12 +352,18 @@ class BudgetSearch {
     // Result of a search: a number close to the requested one or numbers on both sides of it, or on one side
     // only.
     enum class Found { enough, too_few, too_many };
+    // A plan and the number of faces of its surface.
+    struct Made {
+        FaceBudget budget;
+        double faces;
+    };
 
     static double count(const BudgetedMesh& m) {
         return static_cast<double>(m.result.quads().mesh.quads.size());
     }
     double wanted() const { return static_cast<double>(faces_); }
     double off(const BudgetedMesh& m) const { return compute_error(count(m), wanted()); }
+    bool is_close() const { return best_ && off(*best_) <= kFar; }
 
     template <class Plan>
     auto planned(const Plan& plan) {
@@ -343,15 +377,16 @@ class BudgetSearch {
         });
         BudgetedMesh made{std::move(budget), std::move(result)};
         const double faces = count(made);
+        if (faces < wanted() && (!below_ || faces > below_->faces)) below_ = Made{made.budget, faces};
         if (!best_ || off(made) < off(*best_)) best_ = std::move(made);
         return faces;
     }
 
-    void search_sides() {
+    void search_sides(FaceBudget base) {
         constexpr double kMadeOfPlanned = 2;  // approximate: bends and branch nodes have more than planned
         std::optional<RadiusPlanner> planner;
         const std::optional<FaceBudget> first = planned([&] {
-            planner.emplace(skeleton_, options_, ctx_);
+            planner.emplace(std::move(base), ctx_);
             std::optional<FaceBudget> plan = planner->plan(wanted() / kMadeOfPlanned);
             return plan ? plan : planner->plan(wanted());
         });
@@ -374,21 +409,20 @@ class BudgetSearch {
         }
     }
 
-    // Uses the sides of a plan and changes the density of the rings.
-    void compute_search_rings(const FaceBudget& sides) {
-        CageFaces cage(skeleton_, sides.options, ctx_);
-        search(wanted() / count(*best_), 0, [&](double share) {
-            FaceBudget out = sides;
-            out.options = with_density(sides.options, density_for(share * cage.at(1), cage).density);
+    // Uses the sides and branches of a plan and changes the density of the rings.
+    void search_density(const Made& from) {
+        CageFaces cage(from.budget.skeleton, from.budget.options, ctx_);
+        search(wanted() / from.faces, 0, [&](double share) {
+            FaceBudget out = from.budget;
+            out.options = with_density(out.options, density_for(share * cage.at(1), cage).density);
             out.faces = faces_;
             return out;
         });
     }
 
     void search_rings() {
-        search(wanted(), double{kMinFaces}, [&](double goal) {
-            return RingPlanner(skeleton_, options_, static_cast<std::uint64_t>(goal), ctx_).plan();
-        });
+        RingPlanner planner(skeleton_, options_, ctx_);
+        search(wanted(), double{kMinFaces}, [&](double goal) { return planner.plan(goal); });
     }
 
     // Tries numbers that are not below `least`, assuming that the number of faces is approximately a power of
@@ -436,6 +470,7 @@ class BudgetSearch {
     const Context& ctx_;
     std::vector<std::pair<std::string, double>> planned_, tried_;
     std::optional<BudgetedMesh> best_;
+    std::optional<Made> below_;  // the closest with fewer faces than requested
 };
 
 }  // namespace
@@ -447,9 +482,10 @@ FaceBudget plan_faces(const Skeleton& skeleton, const MeshOptions& given, std::u
     const auto goal = static_cast<double>(faces);
     const auto off = [&](const FaceBudget& b) { return compute_error(static_cast<double>(b.faces), goal); };
     std::optional<FaceBudget> sides;
-    if (options.tube_sides == TubeSides::by_radius) sides = RadiusPlanner(skeleton, options, ctx).plan(goal);
+    if (options.tube_sides == TubeSides::by_radius)
+        sides = RadiusPlanner(plan_with_all(skeleton, options), ctx).plan(goal);
     if (sides && off(*sides) <= kFar) return std::move(*sides);
-    FaceBudget rings = RingPlanner(skeleton, options, faces, ctx).plan();
+    FaceBudget rings = RingPlanner(skeleton, options, ctx).plan(goal);
     return sides && off(*sides) < off(rings) ? std::move(*sides) : std::move(rings);
 }
 

@@ -47,11 +47,12 @@ struct FaceBudget {
 /// If that still has too many faces, or does not come close, or `tube_sides` is equal, all branches have the
 /// same number of sides. The levels are those at which the cage has nearly the requested number of faces with
 /// the rings of the given options. Then the spacing of rings is changed, which moves the surface by up to a
-/// fifth of the local radius (ResampleOptions::tolerance). If that is not enough even without any level, axes
-/// are left out in ascending order of silhouette: the sum of length times width of an axis and everything
-/// that it carries. The axes that begin at roots always stay; their surface may still have more faces than
-/// requested. Regions that are remeshed because quads cross have more faces than planned, many more if rings
-/// are closer than five radii.
+/// fifth of the local radius (ResampleOptions::tolerance). If that is not enough even with the sides of the
+/// cage, axes are left out in ascending order of silhouette: the sum of length times width of an axis and
+/// everything that it carries. The axes that begin at roots always stay; their surface may still have more
+/// faces than requested. Unless `tube_sides` is equal, surfaces with the sides of the cage have one level,
+/// are repaired, and are then thinned out. Regions that are remeshed because quads cross have more faces than
+/// planned, many more if rings are closer than five radii.
 ///
 /// `options` are those for the given skeleton; their levels are ignored. Throws InvalidInput naming `faces`
 /// if it is not from kMinFaces to kMaxFaces, `method` if it is not quads or bmesh, and `chord_error` if it is
@@ -66,8 +67,9 @@ struct BudgetedMesh {
 };
 
 /// Builds the surface of plan_faces(). If it has another number of faces, plans again, up to six times for
-/// each kind of plan and number of levels, and keeps the result closest to `faces`. Throws as plan_faces()
-/// and mesh_skeleton().
+/// each kind of plan and number of levels; if no choice of axes comes close, the largest one with fewer faces
+/// gets more sides or rings. Keeps the result closest to `faces`. Throws as plan_faces() and
+/// mesh_skeleton().
 BudgetedMesh mesh_with_faces(const Skeleton& skeleton, const PointSet& constraints,
                              const MeshOptions& options, std::uint64_t faces, const Context& ctx = {});
 
