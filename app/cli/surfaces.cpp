@@ -119,7 +119,49 @@ bool is_cage(const MeshResult& result) {
     return quads != nullptr && quads->cage.cage.quads.size() == quads->mesh.quads.size();
 }
 
+std::string summary(std::span<const std::uint32_t> slots, Json& counts) {
+    const auto count = [&](MaterialSlot slot) {
+        return std::ranges::count(slots, static_cast<std::uint32_t>(slot));
+    };
+    const auto twig = static_cast<std::uint64_t>(count(MaterialSlot::twig)),
+               cut = static_cast<std::uint64_t>(count(MaterialSlot::cut)), bark = slots.size() - twig - cut;
+    counts = {{"bark", bark}, {"twig", twig}, {"cut", cut}};
+    return fmt::format("; {} of bark, {} of twigs, {} of cuts", counted(bark, "face"), grouped(twig),
+                       grouped(cut));
+}
+
 }  // namespace
+
+void add_material_options(OptionList& options, MaterialPrefixes& prefixes, HelpPlace display) {
+    options.file("--material", "PREFIX", prefixes.bark, kMaterialHelp, display);
+    display.common = false;
+    options.file("--twig-material", "PREFIX", prefixes.twig, kTwigMaterialHelp, display);
+    options.file("--cut-material", "PREFIX", prefixes.cut, kCutMaterialHelp, display);
+}
+
+void check_materials(const MaterialPrefixes& prefixes) {
+    if (!prefixes.bark.empty()) return;
+    if (!prefixes.twig.empty()) throw UsageError("--twig-material requires --material for the other faces");
+    if (!prefixes.cut.empty()) throw UsageError("--cut-material requires --material for the other faces");
+}
+
+std::vector<MaterialFiles> find_materials(const MaterialPrefixes& prefixes) {
+    std::vector<MaterialFiles> out;
+    if (prefixes.bark.empty()) return out;
+    for (const auto& prefix : {prefixes.bark, prefixes.twig, prefixes.cut}) {
+        MaterialFiles files = prefix.empty() ? MaterialFiles{} : find_material(prefix);
+        while (std::ranges::any_of(out, [&](const auto& other) { return other.name == files.name; }))
+            files.name += "_2";
+        out.push_back(std::move(files));
+    }
+    return out;
+}
+
+SlotOptions make_slots(const MaterialPrefixes& prefixes, SlotOptions options) {
+    options.twigs = !prefixes.twig.empty();
+    options.cuts = !prefixes.cut.empty();
+    return options;
+}
 
 void check_texture(const GivenOptions& given, const TextureOptions& texture) {
     const auto has = [&](std::string_view name) { return is_given(given, name); };
@@ -131,6 +173,8 @@ void check_texture(const GivenOptions& given, const TextureOptions& texture) {
     for (const std::string_view name : {"--material", "--tile", "--tile-height", "--uv-blend"}) {
         if (has(name) && !is_bark) throw UsageError(fmt::format("{} requires --uv bark", name));
     }
+    if (has("--twig-diameter") && !has("--twig-material"))
+        throw UsageError("--twig-diameter requires --twig-material");
     if (has("--atlas-size") && !is_atlas) throw UsageError("--atlas-size requires --uv atlas");
 }
 
@@ -158,6 +202,7 @@ void write_surface(const std::filesystem::path& path, const MeshResult& result,
         complete.texture_blends = result.texture->blends;
     }
     complete.attributes = result.attributes;
+    complete.face_materials = result.slots;
     std::visit([&](const auto& surface) { write_mesh(path, surface.mesh, complete, ctx); }, result.surface);
 }
 
@@ -198,6 +243,7 @@ std::string count_surface(Run& run, const MeshResult& result) {
         text += result.atlas ? summary(*result.atlas) : summary(result.texture->report);
         if (result.atlas) run.counts()["atlas"] = compute_figures(*result.atlas);
     }
+    if (!result.slots.empty()) text += summary(result.slots, run.counts()["slots"]);
     if (!result.fitted) return text;
     const FitVolumeReport& fitted = *result.fitted;
     run.counts()["fitted"] = compute_figures(fitted);

@@ -18,6 +18,33 @@ inline constexpr const char* kMaterialHelp =
     "Give the surface the material of the images PREFIX_color.png and, where they exist, PREFIX_normal.png, "
     "PREFIX_roughness.png and PREFIX_occlusion.png, as made by coppice texture.";
 
+/// Help of --twig-material.
+inline constexpr const char* kTwigMaterialHelp =
+    "Give twigs the material of the images of another PREFIX, as --material does for the whole surface.";
+/// Help of --cut-material.
+inline constexpr const char* kCutMaterialHelp =
+    "Give flat ends the material of the images of another PREFIX, of which the colour is a picture of a cut "
+    "that fills it.";
+
+/// Names of the images of the materials of a surface, by slot; may be empty.
+struct MaterialPrefixes {
+    std::filesystem::path bark;  ///< of --material
+    std::filesystem::path twig;  ///< of --twig-material
+    std::filesystem::path cut;   ///< of --cut-material
+
+    bool has_slots() const { return !twig.empty() || !cut.empty(); }  ///< whether there are several
+};
+
+/// Adds --material, --twig-material and --cut-material.
+void add_material_options(OptionList& options, MaterialPrefixes& prefixes, HelpPlace display = {});
+/// Throws UsageError if a slot has a material, but bark has none.
+void check_materials(const MaterialPrefixes& prefixes);
+/// Returns the materials by MaterialSlot, with different names; those without a prefix are empty. Returns
+/// none if there are no prefixes. Throws IoError if there is no colour.
+std::vector<MaterialFiles> find_materials(const MaterialPrefixes& prefixes);
+/// Returns the slots that materials require.
+SlotOptions make_slots(const MaterialPrefixes& prefixes, SlotOptions options);
+
 /// Throws UsageError for options of textures that have no effect, and for a material of a surface without
 /// the coordinates that it requires.
 void check_texture(const GivenOptions& given, const TextureOptions& texture);

@@ -48,7 +48,7 @@ void write_moving_bark(const std::filesystem::path& path, const Skeleton& tree,
     options.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = true};
     const MeshResult made = mesh_skeleton(tree, options);
     const QuadMesh& rest = made.quads().mesh;
-    MotionWriter motion(path, rest, 3, 24, {{made.texture->points, made.texture->blends}, material});
+    MotionWriter motion(path, rest, 3, 24, {{made.texture->points, made.texture->blends}, {material}, {}});
     for (const float bend : {0.0f, 0.1f, 0.2f}) {
         Buffer<Vec3> positions = rest.positions;
         for (Vec3& p : positions) p.x += bend * p.z * p.z;
@@ -62,12 +62,15 @@ void write_bark(const std::filesystem::path& folder) {
     MaterialFiles material{.color = write_image(folder / "color.png", {120, 100, 80, 255}),
                            .normal = write_image(folder / "normal.png", {128, 128, 255, 255}),
                            .packed = write_image(folder / "orm.png", {255, 200, 0, 255})};
+    MaterialFiles twig = material, cut{.name = "cut", .color = material.color};
+    twig.name = "twig";
     const Skeleton tree = random_tree(60, 7, true);
-    const auto write = [&](const char* name, MeshMethod method, bool blend = false) {
+    const auto write = [&](const char* name, MeshMethod method, bool blend = false, SlotOptions slots = {}) {
         MeshOptions options;
         options.method = method;
         options.attributes = true;
         options.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = blend};
+        options.slots = slots;
         const MeshResult made = mesh_skeleton(tree, options);
         std::visit(
             [&](const auto& surface) {
@@ -75,7 +78,8 @@ void write_bark(const std::filesystem::path& folder) {
                            {.texture = made.texture->points,
                             .texture_blends = made.texture->blends,
                             .attributes = made.attributes,
-                            .material = material});
+                            .materials = {material, twig, cut},
+                            .face_materials = made.slots});
             },
             made.surface);
     };
@@ -84,8 +88,11 @@ void write_bark(const std::filesystem::path& folder) {
     write("bark_cylinders.glb", MeshMethod::cylinders);
     write_moving_bark(folder / "bark_motion.glb", tree, material);
     write("bark_blended.glb", MeshMethod::quads, true);
+    const SlotOptions slots{.twigs = true, .twig_diameter = 2 * tree.radii()[30], .cuts = true};
+    write("bark_slots.glb", MeshMethod::quads, false, slots);
     material.normal.clear();
     write("bark_without_normals.glb", MeshMethod::quads);
+    write("bark_slots_mixed_normals.glb", MeshMethod::quads, false, slots);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ TEST_F(MeshWriter, QuotesPathsWithAnAtSignInUsda) {
     const PolygonMesh mesh = to_polygons(cuboid());
     const std::vector<TexturePoint> texture(mesh.corners.size());
     const auto line = [&](const char* image) {
-        write_mesh(folder_ / "a.usda", mesh, {.texture = texture, .material = {.color = folder_ / image}});
+        write_mesh(folder_ / "a.usda", mesh, {.texture = texture, .materials = {{.color = folder_ / image}}});
         const std::string text = read_file(folder_ / "a.usda");
         const std::size_t at = text.find("inputs:file = ");
         return text.substr(at, text.find('\n', at) - at);
@@ -129,7 +129,7 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
     const fs::path image = folder_ / "image.png";
     write_file(image, "\x89PNG");
     const auto with = [&](const MaterialFiles& material) {
-        return written("a.glb", mesh, {.texture = mesh.texture, .material = material});
+        return written("a.glb", mesh, {.texture = mesh.texture, .materials = {material}});
     };
     EXPECT_EQ(with({}).find("TANGENT"), std::string::npos);
     EXPECT_EQ(with({.color = image}).find("TANGENT"), std::string::npos);
@@ -144,6 +144,73 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
     };
     EXPECT_EQ(count(1, 1), 4);
     EXPECT_EQ(count(-1, -1), 4);
+}
+
+// A strip of three squares with materials, of which the second has no faces.
+class MaterialWriter : public MeshWriter {
+  protected:
+    MaterialWriter() {
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            mesh_.positions.push_back({static_cast<float>(i), 0, 0});
+            mesh_.positions.push_back({static_cast<float>(i), 1, 0});
+        }
+        for (std::uint32_t i = 0; i < 6; i += 2) mesh_.add_face(Quad{i, i + 2, i + 3, i + 1});
+        for (int face = 0; face < 3; ++face)
+            mesh_.texture.insert(mesh_.texture.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+        write_file(folder_ / "image.png", "\x89PNG");
+        for (const char* name : {"bark", "unused", "twig"})
+            materials_.push_back({.name = name, .color = folder_ / "image.png"});
+    }
+    MeshWriteOptions options() const {
+        return {.texture = mesh_.texture, .materials = materials_, .face_materials = of_faces_};
+    }
+    // Returns the names of the groups of the faces, as they are read.
+    std::vector<std::string> read_groups(const std::string& name) const {
+        const PolygonMesh read = read_mesh(folder_ / name);
+        std::vector<std::string> out;
+        for (const std::uint32_t group : read.group) out.push_back(read.group_names[group]);
+        return out;
+    }
+
+    PolygonMesh mesh_;
+    std::vector<MaterialFiles> materials_;
+    std::vector<std::uint32_t> of_faces_{0, 2, 0};
+};
+
+TEST_F(MaterialWriter, GlbHasAPrimitiveForEachMaterialWithFaces) {
+    for (const bool has_normals : {false, true}) {
+        if (has_normals) materials_[2].normal = folder_ / "image.png";
+        const std::string bytes = written("a.glb", mesh_, options());
+        EXPECT_EQ(bytes.find("unused"), std::string::npos);
+        EXPECT_EQ(bytes.find("\"TANGENT\"") != std::string::npos, has_normals);
+        EXPECT_EQ(read_groups("a.glb"),
+                  (std::vector<std::string>{"surface/bark", "surface/bark", "surface/bark", "surface/bark",
+                                            "surface/twig", "surface/twig"}));
+        const PolygonMesh read = read_mesh(folder_ / "a.glb");
+        EXPECT_EQ(read.positions.size(), 8u);
+        EXPECT_EQ(read.positions[read.corners[read.first[4]]].x, 1);  // the first triangle of the twig
+    }
+}
+
+TEST_F(MaterialWriter, ObjNamesTheMaterialOfEachRunOfFaces) {
+    const std::string text = written("a.obj", mesh_, options());
+    EXPECT_NE(text.find("usemtl bark\nf 1/1"), std::string::npos);
+    EXPECT_NE(text.find("usemtl twig\nf 3/"), std::string::npos);
+    EXPECT_EQ(read_groups("a.obj"), (std::vector<std::string>{"bark", "twig", "bark"}));
+    EXPECT_EQ(read_file(folder_ / "a.mtl"),
+              "# Coppice\nnewmtl bark\nKd 1 1 1\nKs 0 0 0\nmap_Kd image.png\n"
+              "newmtl twig\nKd 1 1 1\nKs 0 0 0\nmap_Kd image.png\n");
+}
+
+TEST_F(MaterialWriter, UsdaHasASubsetForEachMaterialWithFaces) {
+    const std::string text = written("a.usda", mesh_, options());
+    EXPECT_EQ(text.find("unused"), std::string::npos);
+    EXPECT_NE(text.find("familyType = \"partition\""), std::string::npos);
+    EXPECT_NE(text.find("int[] indices = [0, 2]\n            rel material:binding = </tree/bark>"),
+              std::string::npos);
+    EXPECT_NE(text.find("int[] indices = [1]\n            rel material:binding = </tree/twig>"),
+              std::string::npos);
+    EXPECT_NE(text.find("def Material \"twig\""), std::string::npos);
 }
 
 // Two adjacent squares with a seam at one end of their common edge: vertex 2 is written twice.
@@ -444,7 +511,7 @@ TEST_F(MeshWriter, LeavesNoMaterialLibraryWithoutItsObj) {
     Context ctx;
     ctx.stop = stop.get_token();
     const std::vector<TexturePoint> texture(4 * cuboid().quads.size(), TexturePoint{0, 0});
-    const MeshWriteOptions options{.texture = texture, .material = {.color = folder_ / "color.png"}};
+    const MeshWriteOptions options{.texture = texture, .materials = {{.color = folder_ / "color.png"}}};
     EXPECT_THROW(write_mesh(folder_ / "a.obj", cuboid(), options, ctx), Cancelled);
     EXPECT_FALSE(fs::exists(folder_ / "a.mtl"));
     write_mesh(folder_ / "a.obj", cuboid(), options);
@@ -463,7 +530,8 @@ TEST_F(MeshWriter, TangentsDoNotDependOnThreads) {
     write_file(image, "\x89PNG");
     const auto with = [&](unsigned threads) {
         write_mesh(folder_ / "a.glb", mesh,
-                   {.texture = texture, .material = {.color = image, .normal = image}}, {.threads = threads});
+                   {.texture = texture, .materials = {{.color = image, .normal = image}}},
+                   {.threads = threads});
         return read_file(folder_ / "a.glb", 1 << 24);
     };
     const std::string one = with(1);

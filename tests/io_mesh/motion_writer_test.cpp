@@ -81,7 +81,7 @@ TEST_F(MotionWriterTest, TurnsTangentsWithTheSurface) {
     const MaterialFiles material{
         .color = "c.png", .normal = "n.png", .bytes = {{"c.png", "\x89PNG"}, {"n.png", "\x89PNG"}}};
     const auto path = folder_ / "m.glb";
-    MotionWriter writer(path, mesh, 2, 10, {{texture, {}}, material});
+    MotionWriter writer(path, mesh, 2, 10, {{texture, {}}, {material}, {}});
     Buffer<Vec3> turned = mesh.positions;  // by 90 degrees about z
     for (Vec3& p : turned) p = {-p.y, p.x, p.z};
     writer.add(mesh.positions);

@@ -100,14 +100,15 @@ TEST(Animation, SinksReceiveEveryFrame) {
 TEST(Animation, FramesHaveTheTextureOfTheSurfaceAtRest) {
     AnimationOptions o = options();
     o.mesh.texture = {.coordinates = TextureCoordinates::bark, .tile = 0.1f, .blend = true};
-    o.material.color = "bark_color.png";
+    o.materials = {{.color = "bark_color.png"}};
     const Motion motion(fork(), Keyframes(fork(), "0.3: rotate 3 30", "k"), o);
     SkinnedMesh mesh(fork(), o.mesh);
     const FrameSeries series = make_series(mesh, motion, o);
     const Texture expected = *mesh_skeleton(fork(), o.mesh).texture;
     EXPECT_TRUE(std::ranges::equal(series.texture.points, expected.points));
     EXPECT_TRUE(std::ranges::equal(series.texture.blends, expected.blends));
-    EXPECT_EQ(series.material.color, o.material.color);
+    ASSERT_EQ(series.materials.size(), 1u);
+    EXPECT_EQ(series.materials[0].color, o.materials[0].color);
     Recorder::Seen seen;
     make_frames(mesh, motion, recording(seen), {});
     for (const Texture& texture : seen.textures) {

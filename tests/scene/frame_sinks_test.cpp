@@ -34,7 +34,7 @@ class FrameSinksTest : public test::FolderTest {
         series.count = 2;
         series.rest = rest;
         series.texture = {texture_, blends_};
-        series.material = material_;
+        series.materials = {material_};
         series.picture.camera.width = series.picture.camera.height = 16;
         series.picture.samples = 1;
         const auto sink = open_sink(path, series);

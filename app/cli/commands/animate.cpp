@@ -17,7 +17,8 @@ namespace {
 struct AnimateFlags {
     std::filesystem::path tree;
     std::vector<std::filesystem::path> outputs;
-    std::filesystem::path keys, material;
+    std::filesystem::path keys;
+    MaterialPrefixes materials;
     std::vector<std::filesystem::path> more_keys;  // texts, not files
     AnimationOptions how;
     ReadSkeletonOptions read;
@@ -42,7 +43,10 @@ void check_flags(const AnimateFlags& flags) {
         check_animation(flags.how, has_keys);
     });
     for (const auto& output : flags.outputs) check_output_folder(output);
-    if (!flags.material.empty() && std::ranges::all_of(flags.outputs, has_no_material))
+    check_materials(flags.materials);
+    if (flags.how.grow && flags.materials.has_slots())
+        throw UsageError("--twig-material and --cut-material do not apply to --grow; leave them out");
+    if (!flags.materials.bark.empty() && std::ranges::all_of(flags.outputs, has_no_material))
         throw UsageError("--material requires another output than .ply and .stl, which have no materials");
     if (flags.how.mesh.texture.blend && std::ranges::all_of(flags.outputs, has_one_texture))
         throw UsageError("--uv-blend requires another output than .obj and .stl, which have no second set");
@@ -107,8 +111,10 @@ ExitCode animate_growth(Run& run, const AnimateFlags& flags, const Skeleton& tre
 ExitCode animate(Run& run, const GivenOptions& given, AnimateFlags flags) {
     check_flags(flags);
     check_texture(given, flags.how.mesh.texture);
-    if (!flags.material.empty()) flags.how.material = find_material(flags.material);
-    use_tile_of_image(run, given, flags.how.material.color, flags.how.mesh.texture);
+    flags.how.materials = find_materials(flags.materials);
+    flags.how.mesh.slots = make_slots(flags.materials, flags.how.mesh.slots);
+    if (!flags.how.materials.empty())
+        use_tile_of_image(run, given, flags.how.materials.front().color, flags.how.mesh.texture);
     const SkeletonFile file = load_skeleton(run, flags.tree, flags.read);
     return flags.how.grow ? animate_growth(run, flags, file.skeleton)
                           : animate_motion(run, flags, file.skeleton);
@@ -136,7 +142,8 @@ Command animate_command() {
     options.fields(flags->how.wind, "Wind", {.prefix = "wind"});
     options.fields(flags->how.mesh, "Surface", surface_flag_names(MemberNames{}));
     options.fields(flags->how.mesh.texture, "Texture", {.common = MemberNames{}});
-    options.file("--material", "PREFIX", flags->material, kMaterialHelp, {.common = false});
+    add_material_options(options, flags->materials, {.common = false});
+    options.fields(flags->how.mesh.slots, "Texture", {.common = MemberNames{}});
     options.fields(flags->how.picture, "Picture",
                    {.common = MemberNames{"width", "height", "azimuth", "elevation"}});
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});

@@ -31,7 +31,8 @@ struct MeshFlags {
     RestoreOptions restore;
     ReadSkeletonOptions read;
     MeshWriteOptions write;
-    std::filesystem::path material, heights;
+    std::filesystem::path heights;
+    MaterialPrefixes materials;
     DisplaceOptions displace;
     FaceNumber number;
     bool constraint_edges = false;
@@ -61,6 +62,8 @@ void check_volume(const MeshFlags& flags) {
 }
 
 void check_material(const MeshFlags& flags) {
+    check_materials(flags.materials);
+    if (flags.materials.bark.empty()) return;
     if (!writes_one_of(flags, {MeshFormat::glb, MeshFormat::obj, MeshFormat::usda}))
         throw UsageError("--material requires a .glb, .obj or .usda output; none of the outputs is one");
 }
@@ -100,7 +103,7 @@ void check_flags(const MeshFlags& flags) {
         check_output_folder(flags.offsets);
     }
     if (!flags.volume.empty()) check_volume(flags);
-    if (!flags.material.empty()) check_material(flags);
+    check_material(flags);
     if (flags.mesh.texture.blend) check_vertex_values(flags, "--uv-blend");
     if (!flags.heights.empty()) check_displacement(flags);
     if (flags.mesh.attributes) check_vertex_values(flags, "--attributes");
@@ -120,6 +123,8 @@ void check_given(const GivenOptions& given, const MeshOptions& mesh, int faces) 
     check_texture(given, mesh.texture);
     if (has("--uv-blend") && mesh.method == MeshMethod::cylinders)
         throw UsageError("--uv-blend does not apply to --method cylinders, which intersect each other");
+    if (has("--twig-material") && mesh.method == MeshMethod::cylinders)
+        throw UsageError("--twig-material does not apply to --method cylinders, which intersect each other");
     for (const std::string_view name : {"--displace-height", "--displace-share"}) {
         if (has(name) && !has("--displace")) throw UsageError(fmt::format("{} requires --displace", name));
     }
@@ -240,20 +245,35 @@ MadeMesh make_surface(Run& run, const MeshFlags& flags, const Skeleton& skeleton
             {}};
 }
 
+/// Returns the image with the extent of the tiles: the colour of the bark, or else the heights.
+std::filesystem::path find_tiled_image(const MeshFlags& flags, const MeshWriteOptions& write) {
+    if (!write.materials.empty()) return write.materials.front().color;
+    return flags.heights.empty() ? std::filesystem::path() : height_file(flags.heights);
+}
+
+/// Warns of outputs that cannot store the materials of twigs and cuts.
+void tell_lost_materials(Run& run, const MeshFlags& flags) {
+    if (!flags.materials.has_slots()) return;
+    for (const auto& output : flags.outputs) {
+        const auto format = mesh_format_of_name(output);
+        if (format == MeshFormat::ply || format == MeshFormat::stl)
+            run.warn(fmt::format("{} has no materials; .glb, .obj and .usda have", output.string()));
+    }
+}
+
 ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     check_flags(flags);
     check_given(given, flags.mesh, flags.number.faces);
     MeshWriteOptions write = flags.write;
-    if (!flags.material.empty()) write.material = find_material(flags.material);
+    write.materials = find_materials(flags.materials);
+    flags.mesh.slots = make_slots(flags.materials, flags.mesh.slots);
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const PointSet constraints = load_constraints(run, flags);
     PolygonMesh original;
     if (!flags.original.empty()) original = load_mesh(run, flags.original, flags.read.up);
     HeightTexture heights;
     if (!flags.heights.empty()) heights = load_heights(run, flags.heights, flags.displace.displace_height);
-    const std::filesystem::path image =
-        write.material.empty() && !flags.heights.empty() ? height_file(flags.heights) : write.material.color;
-    std::string moved = use_tile_of_image(run, given, image, flags.mesh.texture);
+    std::string moved = use_tile_of_image(run, given, find_tiled_image(flags, write), flags.mesh.texture);
     MadeMesh made = make_surface(run, flags, file.skeleton, constraints);
     MeshResult& result = made.result;
     run.add_stages("mesh: ", result.stages);
@@ -269,6 +289,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     const Verdict verdict =
         flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
+    tell_lost_materials(run, flags);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.text,
                            made.planned, moved));
@@ -321,7 +342,8 @@ Command mesh_command() {
     options.fields(flags->number, "Surface");
     options.fields(flags->mesh, "Surface", surface_flag_names());
     options.fields(flags->mesh.texture, "Texture");
-    options.file("--material", "PREFIX", flags->material, kMaterialHelp, {.common = false});
+    add_material_options(options, flags->materials, {.common = false});
+    options.fields(flags->mesh.slots, "Texture", {.common = MemberNames{}});
     options.file("--displace", "PREFIX", flags->heights,
                  "Displace the surface by the heights of the image PREFIX_height.png, as made by coppice "
                  "texture, without folds and intersections.",

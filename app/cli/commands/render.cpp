@@ -44,9 +44,9 @@ namespace {
 struct RenderFlags {
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output, distance_to, over;
-    std::filesystem::path camera;    ///< SKETCH:VIEW
-    std::filesystem::path material;  ///< start of the names of its images
-    float opacity = 0.7f;            ///< opacity of the objects drawn over a photograph
+    std::filesystem::path camera;  ///< SKETCH:VIEW
+    MaterialPrefixes materials;
+    float opacity = 0.7f;  ///< opacity of the objects drawn over a photograph
     Marked mark = Marked::none;
     float point_size = 0;  ///< [m] width of points; 0 = derived from their spacing
     RenderOptions render;
@@ -181,10 +181,34 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
     return out;
 }
 
-/// Loads the material of the mesh, if any.
-std::optional<RenderMaterial> load_mesh_material(Run& run, const RenderFlags& flags, const Inputs& in,
-                                                 RenderColor color) {
-    if (flags.material.empty()) return std::nullopt;
+/// Materials of the mesh, and the index of one for each face.
+struct FaceMaterials {
+    std::vector<RenderMaterial> materials;
+    std::vector<std::uint32_t> of_face;
+};
+
+/// Gives the faces of groups that have the name of a material, as in the file of the mesh, that material.
+void set_material(const PolygonMesh& mesh, const std::string& name, std::uint32_t material,
+                  std::vector<std::uint32_t>& of_face) {
+    bool is_found = false;
+    for (std::size_t f = 0; f < mesh.group.size(); ++f) {
+        const std::string& group = mesh.group_names[mesh.group[f]];
+        if (group != name && !group.ends_with('/' + name)) continue;
+        of_face[f] = material;
+        is_found = true;
+    }
+    if (!is_found) {
+        throw UsageError(fmt::format(
+            "the mesh has no faces with the material '{}'; coppice mesh --material BARK --twig-material TWIG "
+            "--cut-material CUT writes them to .glb and .obj",
+            name));
+    }
+}
+
+/// Loads the materials of the mesh, if any.
+FaceMaterials load_mesh_materials(Run& run, const RenderFlags& flags, const Inputs& in, RenderColor color) {
+    check_materials(flags.materials);
+    if (flags.materials.bark.empty()) return {};
     if (color != RenderColor::plain || !flags.distance_to.empty())
         throw UsageError("--material defines the colours; leave --color, --distance-to and --over out");
     if (in.mesh_count != 1)
@@ -194,7 +218,15 @@ std::optional<RenderMaterial> load_mesh_material(Run& run, const RenderFlags& fl
             "--material requires a mesh with texture coordinates; write it by coppice mesh TREE --uv bark -o "
             "MESH.obj");
     }
-    return load_material(run, flags.material);
+    FaceMaterials out{{}, std::vector<std::uint32_t>(in.mesh->face_count(), 0)};
+    for (const auto& prefix : {flags.materials.bark, flags.materials.twig, flags.materials.cut}) {
+        if (prefix.empty()) continue;
+        const auto index = static_cast<std::uint32_t>(out.materials.size());
+        if (index > 0)
+            set_material(*in.mesh, make_material_name(prefix.filename().string()), index, out.of_face);
+        out.materials.push_back(load_material(run, prefix));
+    }
+    return out;
 }
 
 ExitCode render_file(Run& run, const RenderFlags& flags) {
@@ -202,7 +234,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     RenderOptions options = flags.render;
     const Backdrop backdrop = load_backdrop(run, flags, options);
     Inputs in = load(run, flags);
-    const std::optional<RenderMaterial> material = load_mesh_material(run, flags, in, options.color);
+    const FaceMaterials materials = load_mesh_materials(run, flags, in, options.color);
     if (!flags.distance_to.empty()) {
         load_other(run, flags, in);
         options.color = RenderColor::distance;
@@ -232,7 +264,8 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     }
     const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
-                            .material = material ? &*material : nullptr,
+                            .face_materials = materials.of_face,
+                            .materials = materials.materials,
                             .cloud = in.cloud ? &*in.cloud : nullptr,
                             .point_radius = in.point_radius,
                             .skeleton = in.skeleton ? &*in.skeleton : nullptr,
@@ -263,7 +296,7 @@ Command render_command() {
     options.file("--distance-to", "MESH", flags->distance_to,
                  "Colour the points, or without points the mesh, by the distance from this mesh: inside "
                  "blue, outside red.");
-    options.file("--material", "PREFIX", flags->material, kMaterialHelp);
+    add_material_options(options, flags->materials);
     options.file("--camera", "SKETCH:VIEW", flags->camera,
                  "Camera of a view of a sketch, as tree.sketch.json:front; by default the object is framed.",
                  {.common = false});

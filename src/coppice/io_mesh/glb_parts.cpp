@@ -38,12 +38,11 @@ std::size_t GlbLayout::add_bytes(std::uint64_t bytes) {
     return views_.size() - 1;
 }
 
-json describe_tree(const MeshView& mesh, json primitive, GlbLayout& layout) {
+json describe_tree(const MeshView& mesh, json primitives, GlbLayout& layout) {
     constexpr int kTriangles = 4;
     json node{{"name", "tree"}, {"mesh", 0}};
     if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
-    primitive["material"] = 0;
-    primitive["mode"] = kTriangles;
+    for (json& primitive : primitives) primitive["mode"] = kTriangles;
     const json plain{
         {"name", "bark"},
         {"pbrMetallicRoughness",
@@ -53,7 +52,7 @@ json describe_tree(const MeshView& mesh, json primitive, GlbLayout& layout) {
         {"scene", 0},
         {"scenes", {{{"nodes", {0}}}}},
         {"nodes", json::array({std::move(node)})},
-        {"meshes", {{{"name", "surface"}, {"primitives", json::array({std::move(primitive)})}}}},
+        {"meshes", {{{"name", "surface"}, {"primitives", std::move(primitives)}}}},
         {"materials", json::array({plain})},
         {"accessors", layout.accessors()},
         {"bufferViews", layout.views()},
@@ -84,13 +83,26 @@ void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRang
     });
 }
 
-void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx) {
-    write_items(file, mesh.face_count, part, ctx, [&](std::size_t f, Chunk& chunk) {
-        chunk.reserve(sizeof(Triangle) * (mesh.face(f).size() - 2));
-        for_each_triangle(mesh, f, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-            chunk.put_raw(Triangle{a, b, c});
-        });
+namespace {
+
+void put_triangles(Chunk& chunk, const MeshView& mesh, std::size_t f) {
+    chunk.reserve(sizeof(Triangle) * (mesh.face(f).size() - 2));
+    for_each_triangle(mesh, f, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        chunk.put_raw(Triangle{a, b, c});
     });
+}
+
+}  // namespace
+
+void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx) {
+    write_items(file, mesh.face_count, part, ctx,
+                [&](std::size_t f, Chunk& chunk) { put_triangles(chunk, mesh, f); });
+}
+
+void write_triangles(AtomicFile& file, const MeshView& mesh, std::span<const std::uint32_t> faces,
+                     ProgressRange part, const Context& ctx) {
+    write_items(file, faces.size(), part, ctx,
+                [&](std::size_t i, Chunk& chunk) { put_triangles(chunk, mesh, faces[i]); });
 }
 
 }  // namespace coppice::io_internal

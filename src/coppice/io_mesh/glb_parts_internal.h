@@ -45,9 +45,9 @@ class GlbLayout {
 };
 
 /// Returns the description of a file with one mesh and the plain brown material of surfaces without images.
-/// `primitive`: attributes, indices and others of the only primitive of the mesh. To be called when all
-/// views are laid out.
-nlohmann::json describe_tree(const MeshView& mesh, nlohmann::json primitive, GlbLayout& layout);
+/// `primitives`: attributes, indices, materials and others of the primitives of the mesh. To be called when
+/// all views are laid out.
+nlohmann::json describe_tree(const MeshView& mesh, nlohmann::json primitives, GlbLayout& layout);
 
 /// Writes everything that precedes the bytes of the buffer. Throws Unsupported if the file would be too
 /// large.
@@ -66,7 +66,7 @@ struct GlbVertices {
 class GlbMotionPart {
   public:
     virtual ~GlbMotionPart() = default;
-    /// Lays out all views, and adds morph targets to the primitive.
+    /// Lays out all views, and adds morph targets to the common part of the primitives.
     virtual void lay_out(const GlbVertices& vertices, nlohmann::json& primitive, GlbLayout& layout) = 0;
     /// Adds the animation to the description of the file.
     virtual void describe(nlohmann::json& file) const = 0;
@@ -78,6 +78,10 @@ class GlbMotionPart {
 void write_glb(AtomicFile& file, const MeshView& mesh, GlbMotionPart* motion, const Context& ctx);
 
 void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRange part, const Context& ctx);
+/// Writes all faces as triangles.
 void write_triangles(AtomicFile& file, const MeshView& mesh, ProgressRange part, const Context& ctx);
+/// Writes some of the faces as triangles.
+void write_triangles(AtomicFile& file, const MeshView& mesh, std::span<const std::uint32_t> faces,
+                     ProgressRange part, const Context& ctx);
 
 }  // namespace coppice::io_internal

@@ -2,11 +2,13 @@
 // second stream before writing the first byte, which for some hundred megabytes costs more than the rest of
 // the export.
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "coppice/base/progress.h"
 #include "coppice/io_mesh/glb_parts_internal.h"
+#include "coppice/io_mesh/material_internal.h"
 
 namespace coppice::io_internal {
 namespace {
@@ -22,28 +24,31 @@ struct GlbImage {
     std::size_t view = 0;
 };
 
-// A material with images that are part of the file.
-class GlbMaterial {
+// Materials with images that are part of the file.
+class GlbMaterials {
   public:
-    GlbMaterial(const MaterialFiles& files, GlbLayout& layout) : files_(files) {
-        json& surface = material_["pbrMetallicRoughness"];
-        material_["name"] = files.name;
+    void add(const MaterialFiles& files, GlbLayout& layout) {
+        json material{{"name", files.name}};
+        json& surface = material["pbrMetallicRoughness"];
         surface["metallicFactor"] = 0.0;
-        surface["baseColorTexture"] = add(files.color, layout);
-        if (!files.normal.empty()) material_["normalTexture"] = add(files.normal, layout);
-        if (files.packed.empty()) return;
-        surface["metallicRoughnessTexture"] = add(files.packed, layout);
-        material_["occlusionTexture"] = surface["metallicRoughnessTexture"];
+        surface["baseColorTexture"] = add_image(files, files.color, layout);
+        if (!files.normal.empty()) material["normalTexture"] = add_image(files, files.normal, layout);
+        if (!files.packed.empty()) {
+            surface["metallicRoughnessTexture"] = add_image(files, files.packed, layout);
+            material["occlusionTexture"] = surface["metallicRoughnessTexture"];
+        }
+        materials_.push_back(std::move(material));
     }
 
     void describe(json& file) const {
+        if (materials_.empty()) return;
         json images = json::array(), textures = json::array();
         for (const GlbImage& image : images_) {
             textures.push_back({{"sampler", 0}, {"source", images.size()}});
             images.push_back({{"bufferView", image.view}, {"mimeType", image.type}});
         }
         constexpr int kRepeat = 10497, kLinear = 9729, kMipMaps = 9987;
-        file["materials"] = json::array({material_});
+        file["materials"] = materials_;
         file["images"] = std::move(images);
         file["textures"] = std::move(textures);
         file["samplers"] = {
@@ -58,9 +63,9 @@ class GlbMaterial {
     }
 
   private:
-    json add(const std::filesystem::path& path, GlbLayout& layout) {
-        const auto made = files_.bytes.find(path);
-        GlbImage image{made != files_.bytes.end() ? made->second : read_file(path, kMaxImageBytes),
+    json add_image(const MaterialFiles& files, const std::filesystem::path& path, GlbLayout& layout) {
+        const auto made = files.bytes.find(path);
+        GlbImage image{made != files.bytes.end() ? made->second : read_file(path, kMaxImageBytes),
                        "image/png"};
         const bool is_jpeg = image.bytes.starts_with("\xff\xd8");
         if (is_jpeg) image.type = "image/jpeg";
@@ -71,8 +76,7 @@ class GlbMaterial {
         return {{"index", images_.size() - 1}};
     }
 
-    const MaterialFiles& files_;
-    json material_;
+    json materials_ = json::array();
     std::vector<GlbImage> images_;
 };
 
@@ -167,6 +171,50 @@ json describe_attributes(const MeshView& mesh, const std::optional<SplitMesh>& s
     return out;
 }
 
+// The faces of a primitive.
+struct FaceGroup {
+    std::span<const std::uint32_t> faces;  // empty: all
+    std::uint64_t corners = 0;             // of their triangles
+};
+
+// Returns the faces of each material that some have; `by_material` are those of all materials.
+std::vector<FaceGroup> list_groups(const MeshView& mesh, const CompressedRows<std::uint32_t>& by_material) {
+    if (mesh.face_materials.empty()) return {{{}, 3 * mesh.triangle_count()}};
+    std::vector<FaceGroup> out;
+    for (std::size_t m = 0; m < by_material.size(); ++m) {
+        if (by_material[m].empty()) continue;
+        FaceGroup& group = out.emplace_back(by_material[m]);
+        for (const std::uint32_t f : group.faces) group.corners += 3 * (mesh.face(f).size() - 2);
+    }
+    return out;
+}
+
+void write_groups(AtomicFile& file, const MeshView& mesh, std::span<const FaceGroup> groups,
+                  const Context& ctx) {
+    const auto total = 3 * static_cast<float>(mesh.triangle_count());
+    float done = 0.7f;
+    for (const FaceGroup& group : groups) {
+        const float begin = done;
+        done += 0.3f * static_cast<float>(group.corners) / total;
+        if (group.faces.empty()) {
+            write_triangles(file, mesh, {begin, done}, ctx);
+        } else {
+            write_triangles(file, mesh, group.faces, {begin, done}, ctx);
+        }
+    }
+}
+
+// Returns a primitive with the indices of each group and its material, with everything else in common.
+json describe_primitives(json common, std::span<const std::size_t> indices) {
+    json out = json::array();
+    for (const std::size_t accessor : indices) {
+        common["material"] = out.size();
+        common["indices"] = accessor;
+        out.push_back(common);
+    }
+    return out;
+}
+
 }  // namespace
 
 void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
@@ -176,7 +224,9 @@ void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
 void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, const Context& whole) {
     constexpr float kShareOfRest = 0.15f;
     const Context ctx = narrow_progress(whole, 0, motion != nullptr ? kShareOfRest : 1);
-    const bool has_tangents = given.material != nullptr && !given.material->normal.empty();
+    const std::vector<const MaterialFiles*> used = list_used_materials(given);
+    const bool has_tangents =
+        std::ranges::any_of(used, [](const MaterialFiles* m) { return !m->normal.empty(); });
     std::optional<SplitMesh> split;
     split_mesh(given, has_tangents, split, ctx);
     const MeshView& mesh = split ? split->view : given;
@@ -186,16 +236,20 @@ void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, c
         has_tangents ? compute_tangents(*split, normals, ctx) : std::vector<Tangent>();
     GlbLayout layout;
     const json attributes = describe_attributes(mesh, split, has_tangents, layout);
-    const std::size_t corners = 3 * mesh.triangle_count();
-    const std::size_t indices =
-        layout.add(corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt, corners, "SCALAR");
-    json primitive{{"attributes", attributes}, {"indices", indices}};
+    const CompressedRows<std::uint32_t> by_material = group_by_material(mesh);
+    const std::vector<FaceGroup> groups = list_groups(mesh, by_material);
+    std::vector<std::size_t> indices;
+    for (const FaceGroup& group : groups) {
+        indices.push_back(layout.add(group.corners * sizeof(std::uint32_t), kElementArrayBuffer, kUnsignedInt,
+                                     group.corners, "SCALAR"));
+    }
+    json primitive{{"attributes", attributes}};
     const GlbVertices vertices{given, split, normals, tangents};
     if (motion != nullptr) motion->lay_out(vertices, primitive, layout);
-    std::optional<GlbMaterial> material;
-    if (mesh.material != nullptr) material.emplace(*mesh.material, layout);
-    json text = describe_tree(mesh, std::move(primitive), layout);
-    if (material) material->describe(text);
+    GlbMaterials materials;
+    for (const MaterialFiles* m : used) materials.add(*m, layout);
+    json text = describe_tree(mesh, describe_primitives(std::move(primitive), indices), layout);
+    materials.describe(text);
     if (motion != nullptr) motion->describe(text);
     write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);
@@ -205,9 +259,9 @@ void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, c
     if (split) write_blends(file, split->table.blends, ctx);
     for (const VertexAttribute& a : mesh.attributes)
         write_attribute(file, a, split, mesh.positions.size(), ctx);
-    write_triangles(file, mesh, {0.7f, 1}, ctx);
+    write_groups(file, mesh, groups, ctx);
     if (motion != nullptr) motion->write(file, vertices, narrow_progress(whole, kShareOfRest, 1));
-    if (material) material->write(file);
+    materials.write(file);
 }
 
 }  // namespace coppice::io_internal

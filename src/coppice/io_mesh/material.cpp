@@ -33,19 +33,46 @@ std::string to_asset(const std::string& path) {
 
 }  // namespace
 
+void set_materials(MeshView& mesh, std::span<const MaterialFiles> materials,
+                   std::span<const std::uint32_t> face_materials) {
+    if (mesh.texture.empty() || materials.empty() || materials.front().empty()) return;
+    COPPICE_ASSERT(face_materials.empty() || face_materials.size() == mesh.face_count);
+    mesh.materials = materials;
+    mesh.face_materials = face_materials;
+}
+
+CompressedRows<std::uint32_t> group_by_material(const MeshView& mesh) {
+    return group_by(mesh.face_materials, mesh.materials.size());
+}
+
+std::vector<const MaterialFiles*> list_used_materials(const MeshView& mesh) {
+    if (mesh.materials.empty()) return {};
+    std::vector<std::uint8_t> is_used(mesh.materials.size(), 0);
+    if (mesh.face_materials.empty()) is_used[0] = 1;
+    for (const std::uint32_t m : mesh.face_materials) is_used[m] = 1;
+    std::vector<const MaterialFiles*> out;
+    for (std::size_t m = 0; m < is_used.size(); ++m) {
+        if (is_used[m] != 0) out.push_back(&mesh.materials[m]);
+    }
+    return out;
+}
+
 std::filesystem::path mtl_path(const std::filesystem::path& obj) {
     return std::filesystem::path(obj).replace_extension(".mtl");
 }
 
-void write_mtl(const std::filesystem::path& obj, const MaterialFiles& material) {
+void write_mtl(const std::filesystem::path& obj, std::span<const MaterialFiles* const> materials) {
     const std::filesystem::path path = mtl_path(obj);
-    std::string text = fmt::format("# Coppice\nnewmtl {}\nKd 1 1 1\nKs 0 0 0\n", material.name);
+    std::string text = "# Coppice\n";
     const auto add = [&](std::string_view word, const std::filesystem::path& image) {
         if (!image.empty()) text += fmt::format("{} {}\n", word, relative_name(image, path));
     };
-    add("map_Kd", material.color);
-    add("norm", material.normal);
-    add("map_Pr", material.roughness);
+    for (const MaterialFiles* material : materials) {
+        text += fmt::format("newmtl {}\nKd 1 1 1\nKs 0 0 0\n", material->name);
+        add("map_Kd", material->color);
+        add("norm", material->normal);
+        add("map_Pr", material->roughness);
+    }
     write_file(path, text);
 }
 

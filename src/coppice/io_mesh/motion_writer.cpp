@@ -7,6 +7,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/io_mesh/format.h"
+#include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/motion_internal.h"
 
 namespace coppice {
@@ -21,7 +22,7 @@ MotionWriter::MotionWriter(const std::filesystem::path& path, const QuadMesh& re
     view.path = path;
     view.texture = points;
     view.texture_blends = blends;
-    if (!view.texture.empty() && !texture_.material.empty()) view.material = &texture_.material;
+    io_internal::set_materials(view, texture_.materials, texture_.face_materials);
     const auto format = mesh_format_of_name(path);
     if (format == MeshFormat::glb) {
         format_ = io_internal::glb_motion(view, frames, rate);

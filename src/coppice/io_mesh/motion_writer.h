@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/io_mesh/material.h"
@@ -14,8 +16,9 @@ namespace coppice {
 
 /// The bark of an animated surface.
 struct MotionTexture {
-    TextureView coordinates;  ///< may be empty
-    MaterialFiles material;   ///< images for surfaces with texture coordinates; may be empty
+    TextureView coordinates;                        ///< may be empty
+    std::vector<MaterialFiles> materials;           ///< as in MeshWriteOptions
+    std::span<const std::uint32_t> face_materials;  ///< as in MeshWriteOptions
 };
 
 /// Writes an animated surface, with the same faces in all frames, to one file atomically:
@@ -29,9 +32,8 @@ struct MotionTexture {
 /// Otherwise like write_mesh().
 class MotionWriter {
   public:
-    /// `rest` provides the faces and the rest shape; it and the texture coordinates must outlive this
-    /// object. `rate`: frames per second. Throws IoError if the file cannot be written, Unsupported for other
-    /// extensions.
+    /// `rest` provides the faces and the rest shape; it and the texture must outlive this object. `rate`:
+    /// frames per second. Throws IoError if the file cannot be written, Unsupported for other extensions.
     MotionWriter(const std::filesystem::path& path, const QuadMesh& rest, std::size_t frames, double rate,
                  MotionTexture texture = {});
     ~MotionWriter();                                        ///< removes the file unless finish() was called

@@ -54,11 +54,26 @@ void write_ply_faces(AtomicFile& file, const MeshView& mesh, const Context& ctx)
     });
 }
 
+// Returns whether a face has another material than the one before it.
+bool begins_material(const MeshView& mesh, std::size_t f) {
+    if (mesh.materials.empty()) return false;
+    return f == 0 || (!mesh.face_materials.empty() && mesh.face_materials[f] != mesh.face_materials[f - 1]);
+}
+
+void put_material(Chunk& chunk, const MeshView& mesh, std::size_t f) {
+    const std::string& name = mesh.materials[mesh.face_materials.empty() ? 0 : mesh.face_materials[f]].name;
+    constexpr std::string_view kWord = "usemtl ";
+    chunk.reserve(kWord.size() + name.size() + 1);
+    chunk.put(kWord);
+    chunk.put(name);
+    chunk.put('\n');
+}
+
 }  // namespace
 
 void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     file.write(mesh.up == FileUp::y ? "# Coppice, metres, Y up\n" : "# Coppice, metres, Z up\n");
-    if (mesh.material != nullptr)
+    if (!mesh.materials.empty())
         file.write(fmt::format("mtllib {}\n", mtl_path(mesh.path).filename().string()));
     const bool shifted = mesh.has_origin();
     write_items(file, mesh.positions.size(), {0, 0.6f}, ctx, [&](std::size_t v, Chunk& chunk) {
@@ -76,8 +91,8 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
         chunk.put_number(texture.places[i].v);
         chunk.put('\n');
     });
-    if (mesh.material != nullptr) file.write(fmt::format("usemtl {}\n", mesh.material->name));
     write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
+        if (begins_material(mesh, f)) put_material(chunk, mesh, f);
         const auto corners = mesh.face(f);
         const std::size_t first = mesh.first_corner(f);
         chunk.reserve(2 + corners.size() * 3 * (1 + Chunk::kNumber));

@@ -140,6 +140,9 @@ void add_corner(const SplitMesh& mesh, std::uint32_t corner, Vec3d normal, Tange
 
 void SplitMesh::divide_for_tangents(const Context& ctx) {
     triangles = list_triangles(view, ctx);
+    for (std::size_t f = 0; f < view.face_materials.size(); ++f)
+        face_materials.insert(face_materials.end(), view.face(f).size() - 2, view.face_materials[f]);
+    view.face_materials = face_materials;
     corners = group_by(all_corners(triangles), positions.size());
     divide_vertices(*this, ctx);
     view.positions = positions;

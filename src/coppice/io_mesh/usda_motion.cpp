@@ -75,11 +75,11 @@ class UsdaMotion : public MotionWriter::Format {
         file_.write(",\n");
         extents_.push_back(extent_text(positions));
     }
-    void finish(const Context&) override {
+    void finish(const Context& ctx) override {
         file_.write("        }\n");
         write_samples(file_, "float3[] extent", extents_.size(),
                       [&](std::size_t i) { file_.write(extents_[i]); });
-        write_tail(file_, rest_, Subdivision::none);
+        write_tail(file_, rest_, Subdivision::none, ctx);
         file_.commit();
     }
 
@@ -119,7 +119,7 @@ void write_changing_mesh(const std::filesystem::path& path, std::span<const Quad
     COPPICE_ASSERT(textures.empty() || textures.size() == frames.size());
     MeshView first(frames.front());
     first.path = path;
-    if (!textures.empty() && !material.empty()) first.material = &material;
+    if (!textures.empty() && !material.empty()) first.materials = {&material, 1};
     AtomicFile file(path);
     write_head(file, first, time_lines(frames.size(), rate));
     write_samples(file, "int[] faceVertexCounts", frames.size(),
@@ -131,7 +131,7 @@ void write_changing_mesh(const std::filesystem::path& path, std::span<const Quad
     write_samples(file, "float3[] extent", frames.size(),
                   [&](std::size_t i) { file.write(extent_text(frames[i].positions)); });
     if (!textures.empty()) write_textures(file, textures, ctx);
-    write_tail(file, first, Subdivision::none);
+    write_tail(file, first, Subdivision::none, ctx);
     file.commit();
 }
 

@@ -41,8 +41,8 @@ void put_weight(Chunk& chunk, TextureBlend blend);
 /// Writes the texture coordinates, if there are any.
 void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx);
 
-/// Writes everything that follows the attributes of the mesh, with its material.
-void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision);
+/// Writes everything that follows the attributes of the mesh, with its materials.
+void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx);
 
 /// Returns the minimum and the maximum corner of the bounding box.
 std::string extent_text(std::span<const Vec3> positions);

@@ -32,9 +32,9 @@ void write_head(AtomicFile& file, const MeshView& mesh, std::string_view more) {
                         "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n\n",
                         mesh.origin.x, mesh.origin.y, mesh.origin.z));
     }
-    file.write(mesh.material == nullptr ? "    def Mesh \"surface\"\n    {\n"
-                                        : "    def Mesh \"surface\" (\n        prepend apiSchemas = "
-                                          "[\"MaterialBindingAPI\"]\n    )\n    {\n");
+    file.write(mesh.materials.empty() ? "    def Mesh \"surface\"\n    {\n"
+                                      : "    def Mesh \"surface\" (\n        prepend apiSchemas = "
+                                        "[\"MaterialBindingAPI\"]\n    )\n    {\n");
 }
 
 std::string extent_text(std::span<const Vec3> positions) {
@@ -64,15 +64,45 @@ void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
     write("float[] primvars:blend", [&](std::size_t i, Chunk& chunk) { put_weight(chunk, blends[i]); });
 }
 
-void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision) {
-    std::string material;
-    if (mesh.material != nullptr) {
-        file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.material->name));
-        material = usda_material(mesh.path, *mesh.material);
+namespace {
+
+// Writes the faces of a material as a subset of the mesh.
+void write_subset(AtomicFile& file, const std::string& material, std::span<const std::uint32_t> faces,
+                  const Context& ctx) {
+    file.write(fmt::format(
+        "        def GeomSubset \"{}\" (\n            prepend apiSchemas = [\"MaterialBindingAPI\"]\n"
+        "        )\n        {{\n            uniform token elementType = \"face\"\n"
+        "            uniform token familyName = \"materialBind\"\n    ",
+        material));
+    write_array(file, "int[] indices", faces.size(), {1, 1}, ctx, [&](std::size_t i, Chunk& chunk) {
+        chunk.reserve(Chunk::kNumber);
+        chunk.put_number(faces[i]);
+    });
+    file.write(fmt::format("\n            rel material:binding = </tree/{}>\n        }}\n", material));
+}
+
+}  // namespace
+
+void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx) {
+    const bool has_subsets = !mesh.face_materials.empty();
+    if (has_subsets) {
+        file.write("        uniform token subsetFamily:materialBind:familyType = \"partition\"\n");
+    } else if (!mesh.materials.empty()) {
+        file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.materials.front().name));
     }
-    file.write("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n");
-    file.write(fmt::format("        uniform token subdivisionScheme = \"{}\"\n    }}\n{}}}\n",
-                           subdivision == Subdivision::none ? "none" : "catmullClark", material));
+    file.write(
+        fmt::format("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n"
+                    "        uniform token subdivisionScheme = \"{}\"\n",
+                    subdivision == Subdivision::none ? "none" : "catmullClark"));
+    if (has_subsets) {
+        const auto faces = group_by_material(mesh);
+        for (std::size_t m = 0; m < faces.size(); ++m) {
+            if (!faces[m].empty()) write_subset(file, mesh.materials[m].name, faces[m], ctx);
+        }
+    }
+    file.write("    }\n");
+    for (const MaterialFiles* used : list_used_materials(mesh)) file.write(usda_material(mesh.path, *used));
+    file.write("}\n");
 }
 
 void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx) {
@@ -109,7 +139,7 @@ void write_usda(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
                     });
         file.write(" (\n            interpolation = \"vertex\"\n        )\n");
     }
-    write_tail(file, mesh, subdivision);
+    write_tail(file, mesh, subdivision, ctx);
 }
 
 }  // namespace coppice::io_internal

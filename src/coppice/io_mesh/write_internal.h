@@ -57,13 +57,14 @@ struct MeshView {
     const std::uint32_t* first = nullptr;  ///< offsets of faces of different sizes; null otherwise
     std::size_t face_count = 0;
     std::size_t sides = 0;
-    std::span<const TexturePoint> texture;         ///< one for every corner; may be empty
-    std::span<const TextureBlend> texture_blends;  ///< the second set; one for every corner, or empty
-    const MaterialFiles* material = nullptr;       ///< of meshes with texture; may be null
-    std::filesystem::path path;                    ///< of the file, for names relative to it
-    std::span<const Vec3> normals;                 ///< one for every vertex, for OBJ; may be empty
-    std::span<const VertexAttribute> attributes;   ///< of the vertices
-    FileUp up = FileUp::z;                         ///< up axis named by the comments of OBJ and PLY
+    std::span<const TexturePoint> texture;          ///< one for every corner; may be empty
+    std::span<const TextureBlend> texture_blends;   ///< the second set; one for every corner, or empty
+    std::span<const MaterialFiles> materials;       ///< of meshes with texture; may be empty
+    std::span<const std::uint32_t> face_materials;  ///< index of the material of each face; empty: 0
+    std::filesystem::path path;                     ///< of the file, for names relative to it
+    std::span<const Vec3> normals;                  ///< one for every vertex, for OBJ; may be empty
+    std::span<const VertexAttribute> attributes;    ///< of the vertices
+    FileUp up = FileUp::z;                          ///< up axis named by the comments of OBJ and PLY
 };
 
 /// Returns the table of a mesh with texture coordinates; empty without. O(n).
@@ -88,7 +89,8 @@ struct SplitMesh {
 
     TextureTable table;  ///< without `of_corner` after a division
     std::vector<Vec3> positions;
-    Buffer<Triangle> triangles;  ///< after a division
+    Buffer<Triangle> triangles;                 ///< after a division
+    std::vector<std::uint32_t> face_materials;  ///< of the triangles, if the faces have some
     /// Corners of the triangles at each vertex that existed before a division; set by it.
     CompressedRows<std::uint32_t> corners;
     MeshView view;  ///< refers to the members above

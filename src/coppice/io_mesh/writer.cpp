@@ -81,7 +81,7 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
     if (format != MeshFormat::obj && format != MeshFormat::stl) mesh.texture_blends = options.texture_blends;
     mesh.attributes = options.attributes;
     mesh.path = path;
-    if (!options.texture.empty() && !options.material.empty()) mesh.material = &options.material;
+    set_materials(mesh, options.materials, options.face_materials);
     COPPICE_ASSERT(mesh.texture.empty() || mesh.texture.size() == mesh.first_corner(mesh.face_count));
     COPPICE_ASSERT(mesh.texture_blends.empty() || mesh.texture_blends.size() == mesh.texture.size());
     for (const VertexAttribute& a : mesh.attributes) COPPICE_ASSERT(a.values.size() == mesh.positions.size());
@@ -102,7 +102,7 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
             case MeshFormat::obj:
                 write_obj(file, mesh, ctx);
                 // Not earlier: a file that fails must not leave its library.
-                if (mesh.material != nullptr) write_mtl(path, *mesh.material);
+                if (!mesh.materials.empty()) write_mtl(path, list_used_materials(mesh));
                 return;
             case MeshFormat::ply:
                 return write_ply(file, mesh, ctx);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
@@ -29,9 +30,14 @@ struct MeshWriteOptions {
     /// Attributes of the vertices; may be empty. `order` is `_ORDER` in GLB, a property of the vertices in
     /// PLY, and `primvars:order` in USDA; OBJ and STL have none.
     std::span<const VertexAttribute> attributes;
-    /// Images for surfaces with texture coordinates; may be empty. GLB contains them; USDA and the material
-    /// library that is written next to OBJ (.mtl) refer to them; PLY and STL have no materials.
-    MaterialFiles material;
+    /// Materials of surfaces with texture coordinates, with different names; may be empty. GLB contains the
+    /// images; USDA and the material library that is written next to OBJ (.mtl) refer to them; PLY and STL
+    /// have no materials.
+    std::vector<MaterialFiles> materials;
+    /// The index in `materials` of each face; empty: all faces have the first material. GLB has a primitive
+    /// for each material with faces, USDA a subset of the faces (`materialBind`), OBJ `usemtl` before each
+    /// run of faces; materials without faces are not written.
+    std::span<const std::uint32_t> face_materials;
 };
 
 /// Writes a surface atomically (`AtomicFile`).

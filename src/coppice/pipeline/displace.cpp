@@ -29,9 +29,14 @@ constexpr std::size_t kDisplaceGrain = 2048;
 struct TexturedSurface {
     PolygonMesh start;
     std::span<const TexturePoint> texture;
+    std::span<const std::uint32_t> slots;  ///< of the faces; may be empty
     CompressedRows<std::uint32_t> faces_of;
 
     std::size_t vertex_count() const { return start.positions.size(); }
+    /// Returns whether the coordinates of a face are those of bark.
+    bool is_bark(std::uint32_t face) const {
+        return slots.empty() || slots[face] != static_cast<std::uint32_t>(MaterialSlot::cut);
+    }
 };
 
 /// Returns the distances in the texture from a corner to its neighbours in the face, along u and v.
@@ -45,10 +50,11 @@ TexturePoint corner_spacing(std::span<const TexturePoint> face, std::size_t k) {
     return out;
 }
 
-/// Returns the mean height at the corners of a vertex.
+/// Returns the mean height at the corners of a vertex, except those of flat ends.
 double height_at(const TexturedSurface& surface, const HeightFilter& heights, std::uint32_t v) {
     double sum = 0, count = 0;
     for (const std::uint32_t f : surface.faces_of[v]) {
+        if (!surface.is_bark(f)) continue;
         const auto face = surface.start.face(f);
         const auto points = surface.texture.subspan(surface.start.first[f], face.size());
         const auto k = static_cast<std::size_t>(std::ranges::find(face, v) - face.begin());
@@ -157,7 +163,7 @@ DisplaceReport displace_surface(MeshResult& surface, const Skeleton& skeleton, c
     const float scale = options.displace_height > 0 ? options.displace_height : texture.scale;
     if (!(scale > 0))
         throw InvalidInput("displace: the heights have no scale; give displace_height in metres");
-    TexturedSurface textured{to_polygons(surface), surface.texture->points, {}};
+    TexturedSurface textured{to_polygons(surface), surface.texture->points, surface.slots, {}};
     textured.faces_of = pipeline_internal::faces_by_vertex(textured.start);
     const HeightFilter heights(texture);
     const DisplaceReport report = std::visit(

@@ -43,6 +43,13 @@ void list_fields(TextureOptions& o, FieldList& list) {
              o.blend);
 }
 
+void list_fields(SlotOptions& o, FieldList& list) {
+    list.add(
+        Field{"twig_diameter", "Diameter below which branches have the material of twigs up to their tips.",
+              Unit::metre, 1e-6, 1e6},
+        o.twig_diameter);
+}
+
 void list_fields(MeshOptions& o, FieldList& list) {
     list.add(
         common_field("method",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 #include "coppice/base/fields.h"
@@ -113,6 +114,26 @@ struct TextureOptions {
 /// Lists the members for front ends.
 void list_fields(TextureOptions& o, FieldList& list);
 
+/// Classes of the faces of a surface that can have different materials.
+enum class MaterialSlot : std::uint8_t {
+    bark,  ///< all faces that are in no other slot
+    twig,  ///< bark of thin branches
+    cut,   ///< flat ends
+};
+
+/// Options of the slots of faces, for surfaces with bark coordinates.
+struct SlotOptions {
+    bool twigs = false;  ///< whether twigs have a slot of their own; not for cylinders
+    /// [m] Branches are twigs from the place on beyond which no part of them is thicker: a ring of edges
+    /// separates the slots, on surfaces of triangles and in remeshed places a jagged line.
+    float twig_diameter = 0.02f;
+    bool cuts = false;  ///< whether flat ends have a slot of their own, with the coordinates of a picture of
+                        ///< a cut that fills the unit square
+};
+
+/// Lists the diameter for front ends; the slots follow from the materials.
+void list_fields(SlotOptions& o, FieldList& list);
+
 /// Options of the surface of a skeleton. Tetrahedra only use prepare, field, tetra, and the ends of control;
 /// cylinders only levels, prepare, control and tube_sides. Surfaces that are moved along with their skeleton
 /// have the same number of quads around all branches.
@@ -135,6 +156,7 @@ struct MeshOptions {
     /// distance at the thickest axis, where the levels determine the number of sides. Quads only.
     float chord_error = 0;
     TextureOptions texture;             ///< texture coordinates; not listed with the others
+    SlotOptions slots;                  ///< classes of the faces; not listed with the others
     bool attributes = false;            ///< attributes of the vertices; not listed with the others
     Device device = Device::automatic;  ///< device that subdivides quads and samples tetrahedra
 };

@@ -144,6 +144,8 @@ struct MeshResult {
     /// that are projected are on planes of charts.
     std::optional<Texture> texture;
     std::optional<AtlasReport> atlas;  ///< if these coordinates are an atlas
+    std::vector<std::uint32_t> slots;  ///< the MaterialSlot of each face as a number, if options.slots has
+                                       ///< twigs or cuts; otherwise empty
     /// If options.attributes: `order` and `branch`, the order and the number of the branch as in
     /// list_branches() of the prepared skeleton, `distance` [m] along it from its beginning, and `radius` [m]
     /// of the skeleton there; otherwise empty.

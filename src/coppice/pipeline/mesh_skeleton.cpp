@@ -19,12 +19,14 @@
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/pipeline/texture/atlas_internal.h"
 #include "coppice/pipeline/texture/bark_texture_internal.h"
+#include "coppice/pipeline/texture/flat_cuts_internal.h"
 #include "coppice/pipeline/texture/texture_quality_internal.h"
 #include "coppice/pipeline/texture/vertex_attributes_internal.h"
 
 namespace coppice {
 namespace {
 
+using pipeline_internal::BarkTexture;
 using pipeline_internal::BuiltMesh;
 using pipeline_internal::KeptQuads;
 
@@ -110,6 +112,15 @@ void check_sides(const MeshOptions& options) {
         throw InvalidInput("mesh: chord_error needs quads with tube_sides by_radius");
 }
 
+bool has_slots(const SlotOptions& slots) { return slots.twigs || slots.cuts; }
+
+void check_slots(const MeshOptions& options) {
+    if (has_slots(options.slots) && options.texture.coordinates != TextureCoordinates::bark)
+        throw InvalidInput("mesh: slots of twigs and cuts need bark coordinates");
+    if (options.slots.twigs && options.method == MeshMethod::cylinders)
+        throw InvalidInput("mesh: twigs must not have a slot for cylinders, which intersect each other");
+}
+
 // Returns texture coordinates for the surface of a prepared skeleton.
 struct Texturing {
     const Skeleton& prepared;
@@ -117,11 +128,11 @@ struct Texturing {
     const QuadBuild& build;
     const Context& ctx;
 
-    Texture operator()(const QuadSurface& surface) const {
-        return pipeline_internal::bark_texture(surface.mesh, build, options.texture, ctx);
+    BarkTexture operator()(const QuadSurface& surface) const {
+        return pipeline_internal::bark_texture(surface.mesh, build, options.texture, options.slots, ctx);
     }
     // Triangles get the coordinates of quads around the same skeleton.
-    Texture operator()(const TetraSurface& surface) const {
+    BarkTexture operator()(const TetraSurface& surface) const {
         MeshOptions quads = options;
         quads.method = MeshMethod::quads;
         quads.levels = 1;
@@ -131,22 +142,23 @@ struct Texturing {
         std::vector<std::pair<std::string, double>> seconds;
         Stages stages(ctx, seconds);
         const BuiltQuads carrier = mesh_by_quads(prepared, {}, quads, {}, ctx, stages);
-        return pipeline_internal::bark_texture(surface.mesh, carrier.build, options.texture, ctx);
+        return pipeline_internal::bark_texture(surface.mesh, carrier.build, options.texture, options.slots,
+                                               ctx);
     }
-    Texture operator()(CylinderMesh& surface) const {
+    BarkTexture operator()(CylinderMesh& surface) const {
         Texture out{std::move(surface.texture), {.axes = surface.report.tubes}};
         pipeline_internal::measure_texture(surface.mesh, out.points, options.texture.tile, out.report, ctx);
-        return out;
+        return {std::move(out), {}};
     }
 };
 
-pipeline_internal::Atlas make_atlas(const MeshResult& made, const Texture& bark, int size,
-                                    const Context& ctx) {
+// Calls use(faces) for the faces of a surface of any method.
+template <class Use>
+auto with_faces(const MeshResult& made, const Use& use) {
     if (const auto* triangles = std::get_if<TetraSurface>(&made.surface))
-        return pipeline_internal::make_atlas(to_polygons(triangles->mesh), bark, size, ctx);
-    if (const auto* tubes = std::get_if<CylinderMesh>(&made.surface))
-        return pipeline_internal::make_atlas(tubes->mesh, bark, size, ctx);
-    return pipeline_internal::make_atlas(made.quads().mesh, bark, size, ctx);
+        return use(FaceView(to_polygons(triangles->mesh)));
+    if (const auto* tubes = std::get_if<CylinderMesh>(&made.surface)) return use(FaceView(tubes->mesh));
+    return use(FaceView(made.quads().mesh));
 }
 
 // Returns the options of bark coordinates with one tile around every branch.
@@ -180,6 +192,28 @@ void set_tile_height(Texture& texture, const TextureOptions& options) {
     for (TextureBlend& blend : texture.blends) blend.second.v *= ratio;
 }
 
+// Sets the slots of the faces, and the coordinates of those that close flat ends. `radii`: see BarkTexture.
+void add_slots(BuiltMesh& built, const MeshOptions& options, std::span<const float> radii,
+               const Context& ctx) {
+    MeshResult& out = built.result;
+    const auto set = [&](const FaceView& faces, Vec3d origin) {
+        out.slots.assign(faces.size(), static_cast<std::uint32_t>(MaterialSlot::bark));
+        for (std::size_t f = 0; f < radii.size(); ++f) {
+            if (radii[f] >= 0 && 2 * radii[f] < options.slots.twig_diameter)
+                out.slots[f] = static_cast<std::uint32_t>(MaterialSlot::twig);
+        }
+        if (!options.slots.cuts) return;
+        const pipeline_internal::FlatCuts cuts(built.prepared, options.control, origin, ctx);
+        const std::vector<std::uint32_t> end_of_face = cuts.find(faces, ctx);
+        for (std::size_t f = 0; f < end_of_face.size(); ++f) {
+            if (end_of_face[f] != kNoIndex) out.slots[f] = static_cast<std::uint32_t>(MaterialSlot::cut);
+        }
+        cuts.map(faces, end_of_face, *out.texture);
+    };
+    const Vec3d origin = std::visit([](const auto& surface) { return surface.mesh.origin; }, out.surface);
+    with_faces(out, [&](const FaceView& faces) { set(faces, origin); });
+}
+
 void add_texture(BuiltMesh& built, const MeshOptions& options, const Context& ctx) {
     if (options.texture.coordinates == TextureCoordinates::none) return;
     MeshResult& out = built.result;
@@ -187,10 +221,18 @@ void add_texture(BuiltMesh& built, const MeshOptions& options, const Context& ct
     const MeshOptions bark = is_atlas ? with_one_tile(built.prepared, options) : options;
     const Texturing texturing{built.prepared, bark, built.build, ctx};
     Stages stages(ctx, out.stages);
-    out.texture = stages.run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
-    if (!is_atlas) return set_tile_height(*out.texture, options.texture);
-    auto atlas = stages.run("atlas", 1.0f,
-                            [&] { return make_atlas(out, *out.texture, options.texture.atlas_size, ctx); });
+    BarkTexture made = stages.run("texture", 1.0f, [&] { return std::visit(texturing, out.surface); });
+    out.texture = std::move(made.texture);
+    if (!is_atlas) {
+        set_tile_height(*out.texture, options.texture);
+        if (has_slots(options.slots)) add_slots(built, options, made.radii, ctx);
+        return;
+    }
+    auto atlas = stages.run("atlas", 1.0f, [&] {
+        return with_faces(out, [&](const FaceView& faces) {
+            return pipeline_internal::make_atlas(faces, *out.texture, options.texture.atlas_size, ctx);
+        });
+    });
     out.texture = std::move(atlas.texture);
     out.atlas = atlas.report;
 }
@@ -276,6 +318,7 @@ BuiltMesh make_closer(const Skeleton& skeleton, const PointSet& constraints, con
                       std::array<Fit, 2> fits, double tolerance, const Context& ctx) {
     MeshOptions plain = options;
     plain.texture = {};  // added to the better one
+    plain.slots = {};
     plain.attributes = false;
     const auto make = [&](Fit fit, const Context& part) {
         plain.fit = fit;
@@ -295,7 +338,9 @@ BuiltMesh make_mesh(const Skeleton& skeleton, const PointSet& constraints, const
                     Use use, const Context& ctx) {
     check_fields(options, "mesh");
     check_fields(options.texture, "mesh");
+    check_fields(options.slots, "mesh");
     check_sides(options);
+    check_slots(options);
     if (use == Use::posed || !fits_where_off(options))
         return make_surface(skeleton, constraints, options, use, ctx);
     // The few sides of a cage have the correct volume for straight branches only, so it is fitted first.

@@ -122,7 +122,7 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
     } else {
         const auto& surface = std::get<Surface>(object.value);
         MeshWriteOptions options{.texture = surface.texture, .texture_blends = surface.texture_blends};
-        if (surface.material) options.material = write_images(*surface.material, path, ctx);
+        if (surface.material) options.materials = {write_images(*surface.material, path, ctx)};
         std::visit([&](const auto& mesh) { write_mesh(path, mesh, options, ctx); }, surface.mesh);
     }
 }

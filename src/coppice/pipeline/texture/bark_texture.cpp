@@ -6,6 +6,7 @@
 #include <span>
 
 #include "coppice/base/parallel.h"
+#include "coppice/pipeline/texture/radii_beyond_internal.h"
 #include "coppice/pipeline/texture/texture_quality_internal.h"
 #include "coppice/pipeline/texture/texture_transfer_internal.h"
 #include "coppice/pipeline/texture/tube_texture_internal.h"
@@ -42,12 +43,24 @@ void project_face(std::span<const Vec3> face, Vec3 point, const BarkPoint& at, s
     }
 }
 
-// The coordinates of the corners of faces, and the zone of each face for its second set.
+// The coordinates of the corners of faces, the zone of each face for its second set, and its radius.
 struct FaceTexture {
-    FaceTexture(std::size_t faces, std::size_t corners) : points(corners), zones(faces, kNoIndex) {}
+    FaceTexture(std::size_t faces, std::size_t corners, bool has_radii)
+        : points(corners), zones(faces, kNoIndex), radii(has_radii ? faces : 0, kOpen) {}
+
+    // Sets the radius of a face to the mean at some places, if it is requested and not known yet.
+    void set_radius(std::size_t face, std::span<const BarkPoint> places, const RadiiBeyond& beyond) {
+        if (radii.empty() || radii[face] != kOpen) return;
+        float sum = 0;
+        for (const BarkPoint& p : places) sum += beyond.at(p.tube, p.share);
+        radii[face] = sum / static_cast<float>(places.size());
+    }
+
+    static constexpr float kOpen = -1;
 
     Buffer<TexturePoint> points;
     std::vector<std::uint32_t> zones;
+    std::vector<float> radii;  // [m] as in BarkTexture; kOpen: not known yet
 };
 
 // Returns the second set of the corners of faces, N each.
@@ -62,8 +75,9 @@ Buffer<TextureBlend> make_blends(const TubeTexture& tubes, const FaceTexture& fa
 // Finds coordinates for faces without a rectangle of a tube, by those of the closest tube.
 class FaceTransfer {
   public:
-    FaceTransfer(std::span<const Vec3> positions, const TextureTransfer& transfer, const Context& ctx)
-        : positions_(positions), transfer_(transfer), ctx_(ctx), found_(positions.size()) {}
+    FaceTransfer(std::span<const Vec3> positions, const TextureTransfer& transfer, const RadiiBeyond& beyond,
+                 const Context& ctx)
+        : positions_(positions), transfer_(transfer), beyond_(beyond), ctx_(ctx), found_(positions.size()) {}
 
     // Finds the points of the vertices that are marked.
     void find_vertices(std::span<const std::uint8_t> wanted) {
@@ -80,8 +94,8 @@ class FaceTransfer {
 
     // Sets the coordinates of a face, and its zone. Returns false if they would be projected on a plane.
     template <std::size_t N>
-    bool set(const std::array<std::uint32_t, N>& face, std::span<TexturePoint> out,
-             std::uint32_t& zone) const {
+    bool set(const std::array<std::uint32_t, N>& face, std::size_t index, FaceTexture& texture) const {
+        const auto out = std::span(texture.points).subspan(N * index, N);
         std::array<BarkPoint, N> corners;
         for (std::size_t k = 0; k < N; ++k) corners[k] = found_[face[k]];
         const BarkPoint& first = corners[0];
@@ -98,10 +112,11 @@ class FaceTransfer {
         if (own.axis != kNoIndex) {
             join_turns(corners);
             for (std::size_t k = 0; k < N; ++k) out[k] = to_texture(corners[k], own.wraps);
-            zone = own.zone;
+            texture.set_radius(index, corners, beyond_);
+            texture.zones[index] = own.zone;
             if (is_good_texture(face_positions(face, positions_), out, own.tiles_per_metre)) return true;
         }
-        zone = kNoIndex;
+        texture.zones[index] = kNoIndex;
         project_face(face_positions(face, positions_), center, own, out);
         return false;
     }
@@ -109,6 +124,7 @@ class FaceTransfer {
   private:
     std::span<const Vec3> positions_;
     const TextureTransfer& transfer_;
+    const RadiiBeyond& beyond_;
     const Context& ctx_;
     std::vector<BarkPoint> found_;
 };
@@ -116,19 +132,18 @@ class FaceTransfer {
 // Sets the faces that are marked, and counts them.
 template <std::size_t N>
 void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
-                    std::span<const std::uint8_t> wanted, const TextureTransfer& carrier, FaceTexture& out,
-                    TextureReport& report, const Context& ctx) {
+                    std::span<const std::uint8_t> wanted, const TextureTransfer& carrier,
+                    const RadiiBeyond& beyond, FaceTexture& out, TextureReport& report, const Context& ctx) {
     std::vector<std::uint8_t> vertices(positions.size(), 0), is_projected(faces.size(), 0);
     for (std::size_t i = 0; i < faces.size(); ++i) {
         if (wanted[i] == 0) continue;
         ++report.transferred;
         for (const std::uint32_t v : faces[i]) vertices[v] = 1;
     }
-    FaceTransfer transfer(positions, carrier, ctx);
+    FaceTransfer transfer(positions, carrier, beyond, ctx);
     transfer.find_vertices(vertices);
     parallel_for(ctx, faces.size(), kFaceGrain, [&](std::size_t i) {
-        const auto corners = std::span(out.points).subspan(N * i, N);
-        if (wanted[i] != 0) is_projected[i] = transfer.set(faces[i], corners, out.zones[i]) ? 0 : 1;
+        if (wanted[i] != 0) is_projected[i] = transfer.set(faces[i], i, out) ? 0 : 1;
     });
     report.projected = static_cast<std::uint64_t>(std::ranges::count(is_projected, 1));
 }
@@ -137,27 +152,30 @@ void transfer_faces(std::span<const std::array<std::uint32_t, N>> faces, std::sp
 class QuadTexture {
   public:
     QuadTexture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
-                const Context& ctx)
+                const SlotOptions& slots, const Context& ctx)
         : mesh_(mesh),
           build_(build),
           ctx_(ctx),
           tubes_(build, options, ctx),
+          beyond_(build),
           options_(options),
-          texture_(mesh.quads.size(), 4 * mesh.quads.size()),
+          texture_(mesh.quads.size(), 4 * mesh.quads.size(), slots.twigs),
           is_open_(mesh.quads.size(), 1) {}
 
-    Texture run() {
+    BarkTexture run() {
         if (build_.coarse.quads.empty()) {
             set_refined();
         } else {
             set_coarse();
         }
-        Texture out;
-        transfer(out.report);
-        if (options_.blend) out.blends = make_blends<4>(tubes_, texture_, ctx_);
-        out.points = std::move(texture_.points);
-        out.report.axes = tubes_.axis_count();
-        measure_texture(mesh_.quads, mesh_.positions, out.points, options_.tile, out.report, ctx_);
+        BarkTexture out;
+        Texture& texture = out.texture;
+        transfer(texture.report);
+        if (options_.blend) texture.blends = make_blends<4>(tubes_, texture_, ctx_);
+        texture.points = std::move(texture_.points);
+        out.radii = std::move(texture_.radii);
+        texture.report.axes = tubes_.axis_count();
+        measure_texture(mesh_.quads, mesh_.positions, texture.points, options_.tile, texture.report, ctx_);
         return out;
     }
 
@@ -186,6 +204,9 @@ class QuadTexture {
                                                       {left, tubes_.v(patch, column, row + 1)}}};
             std::ranges::copy(corner, corners(i).begin());
             texture_.zones[i] = patch.zone;
+            const BarkPoint middle{.tube = patch.tube,
+                                   .share = tubes_.share(patch, static_cast<float>(row) + 0.5f)};
+            texture_.set_radius(i, {&middle, 1}, beyond_);
             is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;  // rows may have no length
         });
     }
@@ -210,6 +231,7 @@ class QuadTexture {
             join_turns(corner);
             for (std::size_t k = 0; k < 4; ++k) corners(i)[k] = to_texture(corner[k], patch.wraps);
             texture_.zones[i] = patch.zone;
+            texture_.set_radius(i, corner, beyond_);
             is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;
         }
     }
@@ -227,7 +249,9 @@ class QuadTexture {
             for (std::uint32_t row = 0; row <= tubes_.size(); ++row) {
                 for (std::uint32_t column = 0; column <= tubes_.size(); ++column)
                     at[tubes_.vertex(f, column, row)] = {.turns = tubes_.turns(p, column),
-                                                         .v = tubes_.v(p, column, row)};
+                                                         .v = tubes_.v(p, column, row),
+                                                         .tube = p.tube,
+                                                         .share = tubes_.share(p, static_cast<float>(row))};
             }
         }
     }
@@ -235,8 +259,10 @@ class QuadTexture {
     // Projects a quad of the cap of a tube on the plane across its end; other quads stay open.
     void set_cap(std::size_t face, std::uint32_t f) {
         const TubeFace part = build_.cage.part[f];
-        if (part != TubeFace::start && part != TubeFace::end) return;
         const NodeId tube(build_.cage.region[f]);
+        const BarkPoint place{.tube = tube, .share = part == TubeFace::start ? 0.0f : 1.0f};
+        texture_.set_radius(face, {&place, 1}, beyond_);
+        if (part != TubeFace::start && part != TubeFace::end) return;
         const CageRun side = tubes_.faces()[tube.index()].side;
         const Skeleton& s = build_.tubes;
         Vec3 normal, center;
@@ -261,7 +287,7 @@ class QuadTexture {
     void transfer(TextureReport& report) {
         if (std::ranges::find(is_open_, 1) == is_open_.end()) return;
         const TextureTransfer carrier(build_, tubes_, tubes_near_open(), ctx_);
-        transfer_faces<4>(mesh_.quads, mesh_.positions, is_open_, carrier, texture_, report, ctx_);
+        transfer_faces<4>(mesh_.quads, mesh_.positions, is_open_, carrier, beyond_, texture_, report, ctx_);
     }
 
     // Returns per tube whether open faces may be near it.
@@ -285,6 +311,7 @@ class QuadTexture {
     const QuadBuild& build_;
     const Context& ctx_;
     TubeTexture tubes_;
+    RadiiBeyond beyond_;
     TextureOptions options_;
     FaceTexture texture_;
     std::vector<std::uint8_t> is_open_;  // per face: whether it has no coordinates yet
@@ -292,23 +319,26 @@ class QuadTexture {
 
 }  // namespace
 
-Texture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
-                     const Context& ctx) {
-    return QuadTexture(mesh, build, options, ctx).run();
+BarkTexture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const TextureOptions& options,
+                         const SlotOptions& slots, const Context& ctx) {
+    return QuadTexture(mesh, build, options, slots, ctx).run();
 }
 
-Texture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
-                     const Context& ctx) {
+BarkTexture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
+                         const SlotOptions& slots, const Context& ctx) {
     const TubeTexture tubes(build, options, ctx);
     const TextureTransfer carrier(build, tubes, std::vector<std::uint8_t>(build.tubes.size(), 1), ctx);
     const std::vector<std::uint8_t> all(mesh.triangles.size(), 1);
-    FaceTexture texture(mesh.triangles.size(), 3 * mesh.triangles.size());
-    Texture out;
-    transfer_faces<3>(mesh.triangles, mesh.positions, all, carrier, texture, out.report, ctx);
-    if (options.blend) out.blends = make_blends<3>(tubes, texture, ctx);
-    out.points = std::move(texture.points);
-    out.report.axes = tubes.axis_count();
-    measure_texture(mesh.triangles, mesh.positions, out.points, options.tile, out.report, ctx);
+    FaceTexture faces(mesh.triangles.size(), 3 * mesh.triangles.size(), slots.twigs);
+    BarkTexture out;
+    Texture& texture = out.texture;
+    transfer_faces<3>(mesh.triangles, mesh.positions, all, carrier, RadiiBeyond(build), faces, texture.report,
+                      ctx);
+    if (options.blend) texture.blends = make_blends<3>(tubes, faces, ctx);
+    texture.points = std::move(faces.points);
+    out.radii = std::move(faces.radii);
+    texture.report.axes = tubes.axis_count();
+    measure_texture(mesh.triangles, mesh.positions, texture.points, options.tile, texture.report, ctx);
     return out;
 }
 

@@ -133,7 +133,9 @@ BarkPoint TextureTransfer::evaluate(std::uint32_t nearest, Vec3 point) const {
             low + (high - low) * s.y,
             patch.tiles_per_metre,
             high < low ? -along : along,
-            patch.zone};
+            patch.zone,
+            patch.tube,
+            texture_.share(patch, static_cast<float>(q.row) + std::clamp(s.y, 0.0f, 1.0f))};
 }
 
 }  // namespace coppice::pipeline_internal

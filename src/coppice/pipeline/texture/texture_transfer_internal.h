@@ -20,6 +20,8 @@ struct BarkPoint {
     float tiles_per_metre = 1;      ///< around it
     Vec3 along{0, 0, 1};            ///< direction in which v increases
     std::uint32_t zone = kNoIndex;  ///< of its second set, as in TexturePatch
+    NodeId tube;                    ///< the tube, as in TexturePatch
+    float share = 0;                ///< of the length of the tube
 };
 
 /// Finds bark coordinates for faces that are not quads of a tube: those of the closest refined quad of a

@@ -196,7 +196,9 @@ void TubeTexture::set_sides(NodeId tube) {
             {ring_v(tube, 0, k), ring_v(tube, 0, k + 1), ring_v(tube, 1, k + 1), ring_v(tube, 1, k)},
             tube.index() * (size_ + 1),
             tiles_per_metre(own),
-            own.zone};
+            own.zone,
+            tube,
+            {0, 1}};
     }
 }
 
@@ -234,7 +236,7 @@ bool TubeTexture::set_stem_face(std::uint32_t cage_quad, NodeId node) {
     if (k == kNoIndex || next == kNoIndex) return false;
     const auto column = static_cast<float>((at(node).column + k) % sides_);
     set_rectangle(
-        cage_quad, node, {column, column + 1},
+        cage_quad, node, 1, {column, column + 1},
         {ring_v(node, 1, k), ring_v(node, 1, k + 1), ring_v(leader, 0, next + 1), ring_v(leader, 0, next)});
     return true;
 }
@@ -257,15 +259,19 @@ void TubeTexture::set_collar(const Collar& c, float length) {
     const auto column = static_cast<float>((own.column + c.edge) % sides_);
     const float left = ring_v(c.lateral, c.end, c.edge), right = ring_v(c.lateral, c.end, c.edge + 1);
     if (c.end == 0) {
-        set_rectangle(c.cage_quad, c.lateral, {column, column + 1}, {left - rise, right - rise, right, left});
+        set_rectangle(c.cage_quad, c.lateral, c.end, {column, column + 1},
+                      {left - rise, right - rise, right, left});
     } else {  // seen along the lateral, which ends here, the quad is upside down
-        set_rectangle(c.cage_quad, c.lateral, {column + 1, column}, {right + rise, left + rise, left, right});
+        set_rectangle(c.cage_quad, c.lateral, c.end, {column + 1, column},
+                      {right + rise, left + rise, left, right});
     }
 }
 
-void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
+// Sets a quad at an end of a tube.
+void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, int end, std::array<float, 2> columns,
                                 const std::array<float, 4>& v) {
     const float share = 1 / static_cast<float>(sides_);
+    const auto place = static_cast<float>(end);
     patch_[cage_quad] = {at(tube).axis,
                          at(tube).wraps,
                          columns[0] * share,
@@ -273,7 +279,9 @@ void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array
                          v,
                          static_cast<std::uint32_t>(rows_.size() - 1 - size_),
                          tiles_per_metre(at(tube)),
-                         at(tube).zone};
+                         at(tube).zone,
+                         tube,
+                         {place, place}};
 }
 
 // [m] Returns the mean length of the columns of a cage quad.

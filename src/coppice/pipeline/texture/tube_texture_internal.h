@@ -26,14 +26,16 @@ std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRow
 
 /// Texture coordinates on the refined quads of a cage quad: a rectangle around and along a branch.
 struct TexturePatch {
-    std::uint32_t axis = kNoIndex;  ///< the branch; kNoIndex: the cage quad is not a rectangle of a tube
-    std::uint32_t wraps = 1;        ///< number of times that the texture is repeated around the branch
-    float left = 0;                 ///< [turns] around the branch, at corners 0 and 3
-    float right = 0;                ///< [turns] at corners 1 and 2
-    std::array<float, 4> v{};       ///< along the branch, at the corners
-    std::uint32_t first_row = 0;    ///< index of the first of the rows of vertices
-    float tiles_per_metre = 0;      ///< around the branch
-    std::uint32_t zone = kNoIndex;  ///< of its second set; kNoIndex: there is none
+    std::uint32_t axis = kNoIndex;     ///< the branch; kNoIndex: the cage quad is not a rectangle of a tube
+    std::uint32_t wraps = 1;           ///< number of times that the texture is repeated around the branch
+    float left = 0;                    ///< [turns] around the branch, at corners 0 and 3
+    float right = 0;                   ///< [turns] at corners 1 and 2
+    std::array<float, 4> v{};          ///< along the branch, at the corners
+    std::uint32_t first_row = 0;       ///< index of the first of the rows of vertices
+    float tiles_per_metre = 0;         ///< around the branch
+    std::uint32_t zone = kNoIndex;     ///< of its second set; kNoIndex: there is none
+    NodeId tube;                       ///< the tube with these coordinates
+    std::array<float, 2> share{0, 1};  ///< of the length of the tube, at its first and its last row
 
     bool is_rectangle() const { return axis != kNoIndex; }
 };
@@ -71,6 +73,10 @@ class TubeTexture {
         const float share = static_cast<float>(column) / static_cast<float>(size_);
         return std::lerp(std::lerp(p.v[0], p.v[1], share), std::lerp(p.v[3], p.v[2], share),
                          rows_[p.first_row + row]);
+    }
+    /// Returns the share of the length of its tube at a place along a patch, from 0 to size().
+    float share(const TexturePatch& p, float row) const {
+        return std::lerp(p.share[0], p.share[1], row / static_cast<float>(size_));
     }
     /// Returns the second set at a place of a zone; the first set, with weight 0, without a zone.
     TextureBlend blend(std::uint32_t zone, TexturePoint first) const;
@@ -129,7 +135,7 @@ class TubeTexture {
     std::uint32_t find_base(NodeId lateral, std::uint32_t side, std::span<const Collar> collars) const;
     std::optional<Side> find_side_of_stem(NodeId node, std::uint32_t from, std::uint32_t to) const;
     TexturePoint point_on_side(const Side& side, std::uint32_t step) const;
-    void set_rectangle(std::uint32_t cage_quad, NodeId tube, std::array<float, 2> columns,
+    void set_rectangle(std::uint32_t cage_quad, NodeId tube, int end, std::array<float, 2> columns,
                        const std::array<float, 4>& v);
     float patch_length(std::uint32_t cage_quad) const;
 

@@ -41,7 +41,7 @@ FrameSeries series_with(const AnimationOptions& options, std::size_t count, doub
     series.count = count;
     series.rate = rate;
     series.gif_colors = options.run.gif_colors;
-    series.material = options.material;
+    series.materials = options.materials;
     series.picture = options.picture;
     return series;
 }
@@ -86,6 +86,8 @@ void check_animation(const AnimationOptions& options, bool has_keys) {
     if (options.grow &&
         (options.mesh.method == MeshMethod::tetrahedra || options.mesh.method == MeshMethod::cylinders))
         throw InvalidInput("a tree that grows needs the method quads, ramifications or bmesh");
+    if (options.grow && (options.mesh.slots.twigs || options.mesh.slots.cuts))
+        throw InvalidInput("a tree that grows has one material for all faces");
 }
 
 Motion::Motion(const Skeleton& tree, std::optional<Keyframes> keys, const AnimationOptions& options)
@@ -113,6 +115,7 @@ FrameSeries make_series(const SkinnedMesh& mesh, const Motion& motion, const Ani
     FrameSeries series = series_with(options, motion.frames(), motion.rate());
     series.rest = &mesh.made().quads().mesh;
     series.texture = find_texture(mesh.made());
+    series.face_materials = mesh.made().slots;
     // The camera shows the surface at rest and the nodes in a sample of the poses.
     frame_surface(*series.rest, series.framed);
     for (std::size_t i = 0; i < motion.frames(); i += 1 + motion.frames() / kMaxPoses) {

@@ -24,8 +24,9 @@ struct AnimationOptions {
     GrowingOptions growing;  ///< used with `grow`
     WindOptions wind;        ///< used if the speed is positive
     MeshOptions mesh;        ///< options of the surface
-    MaterialFiles material;  ///< of surfaces with texture coordinates; may be empty
-    RenderOptions picture;   ///< options of rendered frames
+    /// by MaterialSlot, of surfaces with texture coordinates; may be empty
+    std::vector<MaterialFiles> materials;
+    RenderOptions picture;  ///< options of rendered frames
 };
 
 /// Throws InvalidInput if nothing moves, or if growth is combined with options that it does not support.

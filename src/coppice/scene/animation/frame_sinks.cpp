@@ -46,7 +46,12 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t fr
 class Painter {
   public:
     explicit Painter(const FrameSeries& series) : series_(series) {
-        if (!series.material.empty()) material_ = load_render_material(series.material);
+        std::vector<std::uint32_t> drawn;  // index of each material in `materials_`
+        for (const MaterialFiles& files : series.materials) {
+            drawn.push_back(static_cast<std::uint32_t>(materials_.size()));
+            if (!files.empty()) materials_.push_back(load_render_material(files));
+        }
+        for (const std::uint32_t m : series.face_materials) face_materials_.push_back(drawn[m]);
     }
 
     Image draw(const SurfaceFrame& frame, const Context& ctx) const {
@@ -54,31 +59,38 @@ class Painter {
         const auto& [points, blends] = frame.texture;
         mesh.texture.assign(points.begin(), points.end());
         mesh.texture_blends.assign(blends.begin(), blends.end());
-        const bool is_plain = !material_ || mesh.texture.empty();
-        return render({.mesh = &mesh, .material = is_plain ? nullptr : &*material_, .framed = series_.framed},
-                      series_.picture, ctx);
+        RenderScene scene{.mesh = &mesh, .framed = series_.framed};
+        if (!materials_.empty() && !mesh.texture.empty()) {
+            scene.materials = materials_;
+            scene.face_materials = face_materials_;
+        }
+        return render(scene, series_.picture, ctx);
     }
     const FrameSeries& series() const { return series_; }
 
   private:
     FrameSeries series_;
-    std::optional<RenderMaterial> material_;
+    std::vector<RenderMaterial> materials_;
+    std::vector<std::uint32_t> face_materials_;  // empty: all faces have the first
 };
 
 class MeshFiles : public FrameSink {
   public:
-    MeshFiles(std::filesystem::path path, const MaterialFiles& material)
-        : path_(std::move(path)), material_(material) {}
+    MeshFiles(std::filesystem::path path, const FrameSeries& series)
+        : path_(std::move(path)), materials_(series.materials), face_materials_(series.face_materials) {}
     void add(const SurfaceFrame& frame, const Context& ctx) override {
-        MeshWriteOptions options{.texture = frame.texture.points, .texture_blends = frame.texture.blends};
-        if (!frame.texture.points.empty()) options.material = material_;
+        const MeshWriteOptions options{.texture = frame.texture.points,
+                                       .texture_blends = frame.texture.blends,
+                                       .materials = materials_,
+                                       .face_materials = face_materials_};
         write_mesh(numbered(path_, next_++), frame.mesh, options, ctx);
     }
     void finish(const Context&) override {}
 
   private:
     std::filesystem::path path_;
-    MaterialFiles material_;
+    std::vector<MaterialFiles> materials_;
+    std::span<const std::uint32_t> face_materials_;
     std::size_t next_ = 0;
 };
 
@@ -134,7 +146,8 @@ class FilmFile : public FrameSink {
 class MovingMeshFile : public FrameSink {
   public:
     MovingMeshFile(const std::filesystem::path& path, const FrameSeries& series)
-        : writer_(path, *series.rest, series.count, series.rate, {series.texture, series.material}) {}
+        : writer_(path, *series.rest, series.count, series.rate,
+                  {series.texture, series.materials, series.face_materials}) {}
     void add(const SurfaceFrame& frame, const Context& ctx) override {
         writer_.add(frame.mesh.positions, ctx);
     }
@@ -147,7 +160,9 @@ class MovingMeshFile : public FrameSink {
 class ChangingMeshFile : public FrameSink {
   public:
     ChangingMeshFile(std::filesystem::path path, const FrameSeries& series)
-        : path_(std::move(path)), material_(series.material), rate_(series.rate) {}
+        : path_(std::move(path)), rate_(series.rate) {
+        if (!series.materials.empty()) material_ = series.materials.front();
+    }
     void add(const SurfaceFrame& frame, const Context&) override {
         frames_.push_back(frame.mesh);
         const auto& [points, blends] = frame.texture;
@@ -197,7 +212,7 @@ std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const Fr
         case FrameForm::film:
             return std::make_unique<FilmFile>(path, series);
         case FrameForm::meshes:
-            return std::make_unique<MeshFiles>(path, series.material);
+            return std::make_unique<MeshFiles>(path, series);
         case FrameForm::moving_mesh:
             break;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -18,8 +19,10 @@ struct FrameSeries {
     double rate = 24;       ///< [1/s] frame rate
     /// surface with the faces of all frames; null if each frame has its own faces
     const QuadMesh* rest = nullptr;
-    TextureView texture;        ///< of its corners; may be empty
-    MaterialFiles material;     ///< of frames with texture coordinates; may be empty
+    TextureView texture;                   ///< of its corners; may be empty
+    std::vector<MaterialFiles> materials;  ///< of frames with texture coordinates; may be empty
+    /// index in `materials` of each face; empty: the first for all, as without `rest`
+    std::span<const std::uint32_t> face_materials;
     int gif_colors = 255;       ///< maximum number of colours of a GIF
     RenderOptions picture;      ///< render options
     std::vector<Vec3d> framed;  ///< [m] points that all images show
@@ -52,8 +55,8 @@ std::vector<std::filesystem::path> frame_files(const std::filesystem::path& path
 
 /// Creates the sink for a file name. .png, .ply, .obj and .stl: a file per frame, NAME_0000.png and so on;
 /// .gif: an animated image; .mp4, .mov, .mkv and .webm: a video encoded by ffmpeg; .glb and .usda: an
-/// animated mesh. All but .ply and .stl show the material. `rest` and `texture` of the series must outlive
-/// the sink. Throws IoError.
+/// animated mesh. All but .ply and .stl show the materials. `rest`, `texture` and `face_materials` of the
+/// series must outlive the sink. Throws IoError.
 std::unique_ptr<FrameSink> open_sink(const std::filesystem::path& path, const FrameSeries& series);
 
 /// Returns the maximum memory [bytes] of such a sink in addition to the frame passed to it.

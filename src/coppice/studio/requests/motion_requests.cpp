@@ -173,7 +173,7 @@ class FrameFiles {
 
 FrameSinks sinks_to(const FrameFiles& files, FrameSeries series, const QuadMesh& frame,
                     const MotionRequest& motion_request) {
-    series.material = motion_request.images(files.path());
+    series.materials = {motion_request.images(files.path())};
     motion_request.reserve(memory_of_sink(files.path(), series, frame));
     FrameSinks sinks;
     sinks.push_back(open_sink(files.path(), series));
