@@ -82,8 +82,10 @@ TEST(Lattice, NoisesBelowTwoTexelsFadeOut) {
 }
 
 TEST(Lattice, CellsRepeatWithTheTile) {
-    const Cells cells(kTile, 0.05f, 0.1f, 1, 0.002f, 1, 1);
-    for (int k = 0; k < 500; ++k) {
+    const Cells shifted(kTile, 0.05f, 0.1f, 1, 0.002f, 1, 1),
+        staggered(kTile, 0.05f, 0.1f, 1, 0.002f, 1, 1, 1);
+    for (int k = 0; k < 1000; ++k) {
+        const Cells& cells = k % 2 == 0 ? shifted : staggered;
         const Place p = place(k);
         const Cell a = cells(p), b = cells(p + Place{0.7f, -0.4f});
         if (a.border < 1e-4f) continue;  // another cell by rounding
@@ -94,9 +96,11 @@ TEST(Lattice, CellsRepeatWithTheTile) {
 }
 
 TEST(Lattice, BorderIsTheDistanceToTheNextCell) {
-    const Cells cells(kTile, 0.05f, 0.1f, 0.8f, 1e-6f, 1);
+    const Cells plain(kTile, 0.05f, 0.1f, 0.8f, 1e-6f, 1),
+        staggered(kTile, 0.05f, 0.1f, 0.9f, 1e-6f, 1, 0, 1);
     int borders = 0;
-    for (int k = 0; k < 300; ++k) {
+    for (int k = 0; k < 600; ++k) {
+        const Cells& cells = k % 2 == 0 ? plain : staggered;
         const Place p = place(k);
         const Cell cell = cells(p);
         ASSERT_GE(cell.border, 0);
@@ -111,7 +115,7 @@ TEST(Lattice, BorderIsTheDistanceToTheNextCell) {
         EXPECT_TRUE(other);
         ++borders;
     }
-    EXPECT_EQ(borders, 300);
+    EXPECT_EQ(borders, 600);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ class Furrowed {
         : plan_(plan),
           s_(plan.spacing() * mix(0.45f, 1, std::min(plan.age, 1.0f))),
           long_(s_ * plan.options.stretch),
-          ridges_(plan.tile, s_, long_, 0.9f, 0.2f * s_, 1, 1),
+          ridges_(plan.tile, s_, long_, 0.9f, 0.2f * s_, 1, 1, 1),
           blocks_(plan.tile, 1.3f * s_, 0.9f * s_, 0.95f, 0.06f * s_, 2, 1) {
         const Tile& t = plan.tile;
         noises_.emplace_back(t, 2.6f * s_, 1.1f * long_, 2, 3);

@@ -84,13 +84,18 @@ void Fractal::fill_row(float y, std::span<float> out) const {
 }
 
 Cells::Cells(const Tile& tile, float cell_width, float cell_height, float jitter, float rounding,
-             std::uint64_t stage, float shift)
+             std::uint64_t stage, float shift, float stagger)
     : lattice_(tile, cell_width, cell_height, stage, 2),
       rounding_(std::max(rounding, 1e-7f)),
       stride_(static_cast<std::size_t>(lattice_.columns() + 2 * kMargin)) {
     const CounterRandom random(tile.seed, stage);
     // Rows alternate only if their number is even.
     const float every_other = lattice_.rows() % 2 == 0 ? shift : 0;
+    const int columns = lattice_.columns();
+    const auto move_column = [&](int column) {
+        const int step = column * (columns / 2) % columns;
+        return stagger * (static_cast<float>(step) / static_cast<float>(columns) - 0.5f);
+    };
     for (int j = -kMargin; j < lattice_.rows() + kMargin; ++j) {
         for (int i = -kMargin; i < lattice_.columns() + kMargin; ++i) {
             const int row = lattice_.row(j);
@@ -100,8 +105,10 @@ Cells::Cells(const Tile& tile, float cell_width, float cell_height, float jitter
                 return static_cast<float>((bits >> at) & 0xffff) / 65536 - 0.5f;
             };
             const float moved = row % 2 == 0 ? -0.25f : 0.25f;
-            centers_.push_back({{0.5f + moved * every_other + jitter * unit(0), 0.5f + jitter * unit(16)},
-                                static_cast<std::uint32_t>(bits >> 32)});
+            const Place place{
+                0.5f + moved * every_other + jitter * unit(0),
+                0.5f + move_column(lattice_.column(i)) + (1 - 0.5f * stagger) * jitter * unit(16)};
+            centers_.push_back({place, static_cast<std::uint32_t>(bits >> 32)});
         }
     }
     for (int j = 0; j < lattice_.rows(); ++j)

@@ -133,9 +133,10 @@ inline float chance(std::uint32_t id, unsigned stage) {
 class Cells {
   public:
     /// `jitter` in [0, 1] moves the centres; `shift` moves every other row by up to half a cell, as in a
-    /// wall; `rounding` [m] rounds the corners of the borders.
+    /// wall; `rounding` [m] rounds the corners of the borders. `stagger` in [0, 1] moves each column along
+    /// v, adjacent ones by half a cell and all of them evenly, so that cells do not end at common heights.
     Cells(const Tile& tile, float cell_width, float cell_height, float jitter, float rounding,
-          std::uint64_t stage, float shift = 0);
+          std::uint64_t stage, float shift = 0, float stagger = 0);
 
     /// Returns the cell at a place. Cost: 50 ns.
     Cell operator()(Place p) const;
