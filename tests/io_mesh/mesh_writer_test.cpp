@@ -149,7 +149,8 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
 // A strip of three squares with materials, of which the second has no faces.
 class MaterialWriter : public MeshWriter {
   protected:
-    MaterialWriter() {
+    void SetUp() override {
+        MeshWriter::SetUp();
         for (std::uint32_t i = 0; i < 4; ++i) {
             mesh_.positions.push_back({static_cast<float>(i), 0, 0});
             mesh_.positions.push_back({static_cast<float>(i), 1, 0});

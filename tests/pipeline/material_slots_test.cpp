@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "coppice/base/error.h"
 #include "coppice/pipeline/displace.h"
@@ -35,7 +36,7 @@ Skeleton tapered_stem() {
         const auto t = static_cast<float>(i) / 8;
         parent.emplace_back(i - 1);
         position.push_back({0.5f * t * t, 0, 2 * t});
-        radius.push_back(i == 7 ? 0.035f : 0.1f - 0.08f * t);
+        radius.push_back(i == 7 ? 0.07f : 0.1f - 0.08f * t);
     }
     return {parent, position, radius};
 }
@@ -97,14 +98,16 @@ TEST(MaterialSlots, OneRingSeparatesTheTwigOfAStem) {
                 if (made.slots[f] == kBark) high = std::max(high, z);
             }
         }
-        EXPECT_NEAR(low, 1, 0.1);  // where the radius is 0.06 m
-        EXPECT_NEAR(high, 1, 0.15);
+        EXPECT_NEAR(low, 1.8, 0.06);  // where the radius is 0.06 m, beyond the bulge
+        EXPECT_NEAR(high, 1.8, 0.1);
     }
 }
 
 TEST(MaterialSlots, EveryTwigOfATreeIsOnePart) {
     const Skeleton tree = random_tree(200, 5, true);
-    const float middle = 2 * tree.radii()[tree.size() / 2];
+    std::vector<float> radii(tree.radii().begin(), tree.radii().end());
+    std::ranges::sort(radii);
+    const float middle = 2 * radii[radii.size() / 2];
     const MeshResult made = mesh_skeleton(tree, with_slots(middle, false));
     const auto border = find_border(made.quads().mesh, made.slots, kTwig);
     ASSERT_FALSE(border.empty());
@@ -140,6 +143,7 @@ TEST(MaterialSlots, CutsAreDiscsInTheUnitSquare) {
 TEST(MaterialSlots, TrianglesAndCylindersHaveThem) {
     MeshOptions options = with_slots(0.12f);
     options.method = MeshMethod::tetrahedra;
+    options.tetra.edge = 0.2f;  // larger triangles cut the rims of ends
     const MeshResult triangles = mesh_skeleton(tapered_stem(), options);
     EXPECT_EQ(triangles.slots.size(), triangles.tetrahedra().mesh.triangles.size());
     EXPECT_GT(std::ranges::count(triangles.slots, kTwig), 100);
@@ -169,11 +173,12 @@ TEST(MaterialSlots, DoNotChangeOtherCoordinatesOrDisplacement) {
     for (int i = 0; i < 64 * 64; ++i)
         heights.heights.push_back(static_cast<std::uint16_t>(i % 64 < 32 ? 0 : 65535));
     displace_surface(made, tapered_stem(), heights, {});
+    const Vec3 axis = normalized(tapered_stem().position(NodeId(1)));
     EXPECT_NE(made.quads().mesh.positions, plain.quads().mesh.positions);
     for (std::size_t f = 0; f < made.slots.size(); ++f) {
         if (made.slots[f] != kCut) continue;
         for (const std::uint32_t v : made.quads().mesh.quads[f])
-            EXPECT_NEAR(made.quads().mesh.positions[v].z, 0, 1e-5);
+            EXPECT_NEAR(dot(made.quads().mesh.positions[v], axis), 0, 1e-5);
     }
 }
 
