@@ -20,7 +20,7 @@ async function open(file) {
     const Numbers = componentType === 5125 ? Uint32Array : Float32Array;
     return new Numbers(Uint8Array.from(buffer.subarray(begin, begin + 4 * count * kComponents[type])).buffer);
   };
-  return { primitive: json.meshes[0].primitives[0], read };
+  return { primitives: json.meshes[0].primitives, read };
 }
 
 // Returns the values of the corners of triangles.
@@ -53,8 +53,9 @@ function addJoined(out, indices, attributes, last) {
 }
 
 async function compare(file) {
-  const { primitive, read } = await open(file);
-  const indices = read(primitive.indices);
+  const { primitives, read } = await open(file);
+  const primitive = primitives[0]; // all have the same vertices
+  const indices = Uint32Array.from(primitives.flatMap(({ indices: accessor }) => [...read(accessor)]));
   const [positions, normals, texture, tangents] = [
     ["POSITION", 3],
     ["NORMAL", 3],
