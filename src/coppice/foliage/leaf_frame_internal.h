@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "coppice/foliage/placement.h"
+#include "coppice/foliage/shoots_internal.h"
+
+namespace coppice::foliage_internal {
+
+/// Random numbers of one leaf.
+struct LeafDraws {
+    std::array<float, 4> uniform{};  ///< in [0, 1)
+    std::array<float, 5> normal{};   ///< mean 0, standard deviation 1, in [-3, 3]
+    std::uint64_t bits = 0;          ///< 64 random bits
+};
+
+/// Returns the numbers of the leaf of this index on a shoot, which has a key.
+LeafDraws draw_leaf(std::uint64_t key, std::uint64_t index);
+
+/// The place of a leaf in space.
+struct LeafFrame {
+    Vec3 attachment;  ///< [m] on the bark
+    Vec3 along;       ///< unit vector from the attachment to the tip
+    Vec3 up;          ///< unit vector, the direction of the upper side
+};
+
+/// Returns the frame of leaf `index` of a node: `node` counts nodes from the tip; `start` [rad] is the
+/// direction of the first leaf of the shoot.
+LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint32_t node, std::uint32_t index,
+                     float start, const LeafDraws& draws);
+
+/// Returns the rotation from the frame of a prototype.
+Rotation make_rotation(const LeafFrame& frame);
+
+/// The effects of the season.
+struct SeasonState {
+    float size = 1;           ///< factor of sizes
+    float angle = 1;          ///< factor of the angle of the petiole
+    float density = 1;        ///< share of leaves that have not fallen
+    std::array<Vec3, 2> hue;  ///< sRGB between which the colours of leaves vary
+};
+
+/// Returns the effects on a leaf; `from_tip` is 0 at the tip of the shoot. Throws InvalidInput for colours
+/// that are not in [0, 1].
+SeasonState find_season(const LeafRules& rules, float from_tip);
+
+/// Returns the colour of a leaf. `mix` in [0, 1] selects the hue, `light` in [0, 1] the brightness.
+std::array<std::uint8_t, 3> make_color(const SeasonState& season, const LeafRules& rules, float mix,
+                                       float light);
+
+}  // namespace coppice::foliage_internal

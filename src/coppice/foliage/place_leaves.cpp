@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "coppice/base/check_fields.h"
+#include "coppice/base/parallel.h"
+#include "coppice/base/random.h"
+#include "coppice/foliage/crown_area_internal.h"
+#include "coppice/foliage/leaf_frame_internal.h"
+#include "coppice/foliage/placement.h"
+#include "coppice/foliage/wood_internal.h"
+#include "coppice/skeleton/segment_cone.h"
+
+namespace coppice {
+namespace {
+
+using namespace foliage_internal;
+
+/// The leaves of one shoot.
+struct ShootResult {
+    std::size_t leaves = 0;
+    std::size_t inside_wood = 0;
+    std::size_t floating = 0;
+    double area = 0;
+    double inclination = 0;    ///< sum
+    std::vector<Point2> hull;  ///< seen from above
+};
+
+/// The part of a model that placement uses.
+struct ModelSize {
+    Vec3 tip;          ///< [m] farthest vertex
+    double area = 0;   ///< [m^2]
+};
+
+std::vector<ModelSize> measure_models(std::span<const LeafModel> models) {
+    std::vector<ModelSize> out;
+    for (const LeafModel& model : models) {
+        ModelSize size{.area = model.area};
+        for (const Vec3 p : model.prototype.mesh.positions) {
+            if (length_squared(p) > length_squared(size.tip)) size.tip = p;
+        }
+        out.push_back(size);
+    }
+    return out;
+}
+
+/// Returns the radius above which leaves must not enter a segment: that of shoots, at most a twentieth of the
+/// longest leaf.
+float find_wood_radius(const std::vector<ModelSize>& models, float max_radius) {
+    constexpr float kShare = 0.05f;
+    float longest = 0;
+    for (const ModelSize& model : models) longest = std::max(longest, length(model.tip));
+    return std::min(max_radius, kShare * longest);
+}
+
+class Placer {
+  public:
+    Placer(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules,
+           const Context& ctx)
+        : skeleton_(skeleton),
+          rules_(rules),
+          models_(measure_models(models)),
+          table_(find_shoots(skeleton, rules)),
+          wood_(skeleton, find_wood_radius(models_, table_.max_radius), ctx),
+          results_(table_.shoots.size()) {
+        resize(table_.leaf_count);
+        instances_.origin = skeleton.origin();
+    }
+
+    Foliage place(const Context& ctx) {
+        constexpr std::size_t kGrain = 64;
+        parallel_for(ctx, table_.shoots.size(), kGrain, [&](std::size_t i) { place_shoot(i); });
+        compact();
+        FoliageReport report = make_report();
+        return {.instances = std::move(instances_), .report = report};
+    }
+
+  private:
+    void resize(std::size_t count) {
+        instances_.prototypes.resize(count);
+        instances_.positions.resize(count);
+        instances_.rotations.resize(count);
+        instances_.scales.resize(count);
+        instances_.colors.resize(count);
+    }
+
+    void move_leaf(std::size_t from, std::size_t to) {
+        instances_.prototypes[to] = instances_.prototypes[from];
+        instances_.positions[to] = instances_.positions[from];
+        instances_.rotations[to] = instances_.rotations[from];
+        instances_.scales[to] = instances_.scales[from];
+        instances_.colors[to] = instances_.colors[from];
+    }
+
+    /// Writes the leaves of a shoot to the beginning of its range.
+    void place_shoot(std::size_t i) {
+        const Shoot& shoot = table_.shoots[i];
+        const StableId id = skeleton_.stable_id(table_.table.branches[shoot.branch].first);
+        const std::uint64_t key = mix_bits(static_cast<std::uint64_t>(rules_.seed) << 32 | id.index());
+        const LeafDraws of_shoot = draw_leaf(key, ~std::uint64_t{0});
+        const std::uint32_t per_node = count_leaves_per_node(rules_);
+        const std::vector<ShootPlace> places = find_places(skeleton_, table_, shoot, rules_);
+        ShootResult& result = results_[i];
+        for (std::uint32_t node = 0; node < places.size(); ++node) {
+            for (std::uint32_t k = 0; k < per_node; ++k)
+                place_leaf(places[node], node, k, of_shoot, draw_leaf(key, node * per_node + k),
+                           shoot.first + result.leaves, result);
+        }
+        keep_hull(result.hull);
+    }
+
+    void place_leaf(const ShootPlace& place, std::uint32_t node, std::uint32_t k, const LeafDraws& of_shoot,
+                    const LeafDraws& draws, std::size_t at, ShootResult& result) {
+        const SeasonState season = find_season(rules_, place.from_tip);
+        if (draws.uniform[0] >= rules_.density * season.density) return;
+        LeafRules rules = rules_;
+        rules.angle *= season.angle;
+        constexpr float kTurn = 6.2831853f;
+        const LeafFrame frame = make_frame(place, rules, node, k, kTurn * of_shoot.uniform[0], draws);
+        const Rotation rotation = make_rotation(frame);
+        const float scale = rules.size * season.size *
+                            (1 + rules.size_spread * (2 * draws.uniform[1] - 1)) *
+                            (1 + (rules.base_size - 1) * place.from_tip);
+        const auto model = static_cast<std::uint32_t>(draws.bits % models_.size());
+        const Vec3 tip = rotate(rotation, scale * models_[model].tip);
+        if (passes_wood(place, frame.attachment, tip)) {
+            ++result.inside_wood;
+            return;
+        }
+        instances_.prototypes[at] = model;
+        instances_.positions[at] = frame.attachment;
+        instances_.rotations[at] = rotation;
+        instances_.scales[at] = scale;
+        instances_.colors[at] = make_color(season, rules, 0.5f * (of_shoot.uniform[1] + draws.uniform[2]),
+                                           draws.uniform[3]);
+        ++result.leaves;
+        result.floating += floats(place, frame.attachment) ? 1 : 0;
+        result.area += double{scale} * double{scale} * models_[model].area;
+        result.inclination += std::acos(std::clamp(double{frame.up.z}, -1.0, 1.0));
+        for (const Vec3 p : {frame.attachment, frame.attachment + tip}) result.hull.push_back({p.x, p.y});
+    }
+
+    /// Returns whether a leaf is attached inside of a thicker branch, or its midrib enters one.
+    bool passes_wood(const ShootPlace& place, Vec3 attachment, Vec3 tip) const {
+        const std::array points{attachment + 0.35f * tip, attachment + 0.7f * tip, attachment + tip};
+        return wood_.contains_any(std::span(&attachment, 1), place.node, 0.5f * place.radius) ||
+               wood_.contains_any(points, NodeId::none(), 0);
+    }
+
+    /// Returns whether a place is farther from the bark of its segment than by rounding.
+    bool floats(const ShootPlace& place, Vec3 attachment) const {
+        constexpr double kTolerance = 1e-4, kRounding = 1e-6;  // [m], and per metre from the origin
+        const double tolerance = kTolerance + kRounding * double{length(attachment)};
+        const RoundCone cone = round_cone(skeleton_.segment(place.node));
+        return cone.closest_point(Vec3d(attachment)).signed_distance() > tolerance;
+    }
+
+    void compact() {
+        std::size_t end = 0;
+        for (std::size_t i = 0; i < results_.size(); ++i) {
+            for (std::size_t k = 0; k < results_[i].leaves; ++k) move_leaf(table_.shoots[i].first + k, end++);
+        }
+        resize(end);
+    }
+
+    FoliageReport make_report() {
+        FoliageReport out{.shoots = table_.shoots.size(), .thick_tips = table_.thick_tips};
+        std::vector<std::vector<Point2>> crowns(skeleton_.tree_count());
+        for (std::size_t i = 0; i < results_.size(); ++i) {
+            const ShootResult& r = results_[i];
+            out.leaves += r.leaves;
+            out.inside_wood += r.inside_wood;
+            out.floating += r.floating;
+            out.leaf_area += r.area;
+            out.mean_inclination += r.inclination;
+            std::vector<Point2>& crown = crowns[table_.table.branches[table_.shoots[i].branch].tree];
+            crown.insert(crown.end(), r.hull.begin(), r.hull.end());
+        }
+        for (std::vector<Point2>& crown : crowns) {
+            keep_hull(crown);
+            out.crown_area += compute_area(crown);
+        }
+        if (out.crown_area > 0) out.leaf_area_index = out.leaf_area / out.crown_area;
+        if (out.leaves > 0) out.mean_inclination /= static_cast<double>(out.leaves);
+        return out;
+    }
+
+    const Skeleton& skeleton_;
+    const LeafRules& rules_;
+    std::vector<ModelSize> models_;
+    ShootTable table_;
+    Wood wood_;
+    std::vector<ShootResult> results_;
+    Instances instances_;
+};
+
+}  // namespace
+
+Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules,
+                     const Context& ctx) {
+    check_fields(rules, "leaves");
+    if (models.empty()) throw InvalidInput("leaves: there is no model of a leaf; add at least one");
+    find_season(rules, 0);  // checks the colours
+    if (skeleton.size() == 0) return {};
+    return Placer(skeleton, models, rules, ctx).place(ctx);
+}
+
+}  // namespace coppice
