@@ -16,7 +16,8 @@ using test::error_of;
 
 std::uint8_t find_alpha(const LeafImage& image, float u, float v) {
     const int x = std::clamp(static_cast<int>(u * static_cast<float>(image.width)), 0, image.width - 1);
-    const int y = std::clamp(static_cast<int>((1 - v) * static_cast<float>(image.height)), 0, image.height - 1);
+    const int y =
+        std::clamp(static_cast<int>((1 - v) * static_cast<float>(image.height)), 0, image.height - 1);
     return image.alpha[static_cast<std::size_t>(y * image.width + x)];
 }
 
@@ -46,9 +47,7 @@ TEST(LeafImage, fits_the_meshes_of_all_species) {
 
 TEST(LeafImage, midrib_is_lighter_than_the_blade) {
     const LeafImage image = make_leaf_image({.petiole_length = 0}, 200, {0.3, 0.4, 0.2});
-    const auto at = [&](int x, int y) {
-        return image.color[static_cast<std::size_t>(y * image.width + x)];
-    };
+    const auto at = [&](int x, int y) { return image.color[static_cast<std::size_t>(y * image.width + x)]; };
     EXPECT_GT(at(50, 120)[0], at(40, 120)[0] + 20);
     // Outside of the leaf is the colour of the blade, so that scaled images have no dark border.
     EXPECT_EQ(at(0, 0), (LeafImage::Texel{77, 102, 51}));
@@ -66,7 +65,9 @@ TEST(LeafImageThreads, same_bits_for_any_number_of_threads) {
 TEST(LeafImage, refuses_sizes_and_colours_out_of_range) {
     EXPECT_EQ(error_of([] { make_leaf_image({}, 4); }),
               "leaf: the size of the image must be between 8 and 4096, but is 4");
-    EXPECT_EQ(error_of([] { make_leaf_image({}, 64, {0, 2, 0}); }),
+    EXPECT_EQ(error_of([] {
+                  make_leaf_image({}, 64, {0, 2, 0});
+              }),
               "leaf: the colour must have three values from 0 to 1, but has 2");
 }
 

@@ -43,8 +43,10 @@ TEST(LeafShape, describes_all_members) { test::expect_described<LeafShape>(); }
 /// The area of the outline t^a (1 - t)^b per length and width: B(a + 1, b + 1) over its maximum.
 TEST(LeafShape, area_is_that_of_the_formula) {
     const std::vector<std::pair<LeafOutline, std::pair<double, double>>> outlines{
-        {LeafOutline::elliptic, {0.75, 0.75}}, {LeafOutline::ovate, {0.7, 1.1}},
-        {LeafOutline::obovate, {1.2, 0.6}},    {LeafOutline::lanceolate, {0.8, 1.2}},
+        {LeafOutline::elliptic, {0.75, 0.75}},
+        {LeafOutline::ovate, {0.7, 1.1}},
+        {LeafOutline::obovate, {1.2, 0.6}},
+        {LeafOutline::lanceolate, {0.8, 1.2}},
         {LeafOutline::triangular, {0.3, 1.25}}};
     for (const auto& [outline, exponents] : outlines) {
         const auto [a, b] = exponents;
@@ -88,10 +90,9 @@ TEST(LeafShape, faces_of_all_outlines_and_margins_face_up) {
                 shape.rows = rows;
                 shape.columns = 3;
                 const TriMesh mesh = make_leaf(shape).prototype.mesh;
-                EXPECT_TRUE(std::ranges::all_of(mesh.triangles, [&](const Triangle& t) {
-                    return compute_normal(mesh, t).z > 0;
-                })) << name_of(shape.outline)
-                    << ' ' << name_of(shape.margin) << ' ' << rows;
+                EXPECT_TRUE(std::ranges::all_of(
+                    mesh.triangles, [&](const Triangle& t) { return compute_normal(mesh, t).z > 0; }))
+                    << name_of(shape.outline) << ' ' << name_of(shape.margin) << ' ' << rows;
             }
         }
     }
@@ -196,7 +197,8 @@ TEST(LeafShape, lobes_remove_area_and_keep_the_tip) {
 }
 
 TEST(LeafShape, teeth_need_two_rows_each) {
-    LeafShape shape = make_bare({.margin = LeafMargin::serrate, .teeth = 10, .tooth_depth = 0.05f, .rows = 19});
+    LeafShape shape =
+        make_bare({.margin = LeafMargin::serrate, .teeth = 10, .tooth_depth = 0.05f, .rows = 19});
     LeafShape entire = shape;
     entire.margin = LeafMargin::entire;
     EXPECT_DOUBLE_EQ(make_leaf(shape).area, make_leaf(entire).area);
@@ -209,7 +211,8 @@ TEST(LeafShape, teeth_need_two_rows_each) {
 TEST(LeafShape, variants_differ_and_the_first_one_is_the_shape) {
     const std::vector<LeafModel> leaves = make_leaves({}, 3);
     ASSERT_EQ(leaves.size(), 3u);
-    EXPECT_TRUE(std::ranges::equal(leaves[0].prototype.mesh.positions, make_leaf({}).prototype.mesh.positions));
+    EXPECT_TRUE(
+        std::ranges::equal(leaves[0].prototype.mesh.positions, make_leaf({}).prototype.mesh.positions));
     EXPECT_FALSE(std::ranges::equal(leaves[0].prototype.mesh.positions, leaves[1].prototype.mesh.positions));
     EXPECT_FALSE(std::ranges::equal(leaves[1].prototype.mesh.positions, leaves[2].prototype.mesh.positions));
     EXPECT_EQ(leaves[2].prototype.name, "leaf_elliptic_3");
@@ -224,7 +227,8 @@ TEST(LeafShape, card_bounds_the_flat_leaf) {
 }
 
 TEST(LeafShape, refuses_numbers_out_of_range) {
-    EXPECT_EQ(error_of([] { make_leaf({.length = 0}); }), "leaf: length must be between 0.001 and 10, but is 0");
+    EXPECT_EQ(error_of([] { make_leaf({.length = 0}); }),
+              "leaf: length must be between 0.001 and 10, but is 0");
     EXPECT_EQ(error_of([] { make_leaves({}, 0); }),
               "leaf: the number of models must be between 1 and 1000, but is 0");
     EXPECT_NE(error_of([] { make_leaf_card({.rows = 1}); }), "no error");

@@ -76,7 +76,8 @@ TEST(Placement, begins_on_the_bark_and_leaves_at_the_angle) {
         const Vec3 p = leaves.positions[i];
         EXPECT_NEAR(std::hypot(p.y, p.z - 1), 0.002, 1e-6);
         EXPECT_NEAR(p.x, 0.3 - 0.031 * static_cast<double>(i), 1e-5);
-        const Vec3 along = rotate(leaves.rotations[i], {0, 1, 0}), up = rotate(leaves.rotations[i], {0, 0, 1});
+        const Vec3 along = rotate(leaves.rotations[i], {0, 1, 0}),
+                   up = rotate(leaves.rotations[i], {0, 0, 1});
         // Leaves at the tip have opened less.
         if (i >= 3) EXPECT_NEAR(along.x, std::cos(0.9), 1e-5);
         // The petiole points away from the axis, and the upper side faces the tip of the shoot.
@@ -114,7 +115,7 @@ TEST(Placement, droop_turns_leaves_down) {
     rules.light = 1;
     rules.droop = 0.5f;
     const Instances leaves = place_leaves(make_level_shoot(), make_models(), rules).instances;
-    for (const Rotation& r : leaves.rotations) EXPECT_NEAR(rotate(r, {0, 1, 0}).z, -std::sin(0.5), 1e-4);
+    for (const auto& r : leaves.rotations) EXPECT_NEAR(rotate(r, {0, 1, 0}).z, -std::sin(0.5), 1e-4);
 }
 
 TEST(Placement, clustering_moves_leaves_to_the_tip) {
@@ -229,7 +230,8 @@ TEST(Placement, thick_tips_and_low_orders_are_bare) {
     const Skeleton skeleton = test::make_shoot_tree(10).make();
     EXPECT_EQ(place_leaves(skeleton, make_models(), {}).report.shoots, 10u);
     EXPECT_EQ(place_leaves(skeleton, make_models(), {.min_order = 2}).report.shoots, 0u);
-    const FoliageReport thin = place_leaves(skeleton, make_models(), {.max_radius = 0.001f, .min_order = 0}).report;
+    const FoliageReport thin =
+        place_leaves(skeleton, make_models(), {.max_radius = 0.001f, .min_order = 0}).report;
     EXPECT_EQ(thin.leaves, 0u);
     EXPECT_EQ(thin.thick_tips, 11u);  // with that of the trunk
 }
@@ -261,7 +263,9 @@ TEST(Placement, refuses_bad_input_in_one_sentence) {
               "leaves: there is no model of a leaf; add at least one");
     EXPECT_EQ(error_of([&] { place_leaves(shoot, make_models(), {.density = 2}); }),
               "leaves: density must be between 0 and 1, but is 2");
-    EXPECT_EQ(error_of([&] { place_leaves(shoot, make_models(), {.summer_color = Vec3d{0, 0, 9}}); }),
+    EXPECT_EQ(error_of([&] {
+                  place_leaves(shoot, make_models(), {.summer_color = Vec3d{0, 0, 9}});
+              }),
               "leaves: summer_color must have three values from 0 to 1, but has 9");
     test::ShootTree tree;
     const NodeId root = tree.add({}, {}, 0.01f);

@@ -15,8 +15,7 @@ double turn(Point2 a, Point2 b, Point2 c) {
 }  // namespace
 
 void keep_hull(std::vector<Point2>& points) {
-    std::ranges::sort(points,
-                      [](Point2 a, Point2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); });
+    std::ranges::sort(points, [](Point2 a, Point2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); });
     std::vector<Point2> hull;
     const auto add = [&](Point2 p, std::size_t least) {
         while (hull.size() > least && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();

@@ -45,10 +45,10 @@ class BladeBend {
 
 /// The place of a leaflet or a blade.
 struct Placing {
-    Point2 base;       ///< [m]
-    float angle = 0;   ///< [rad] about z, counter-clockwise
-    float scale = 1;   ///< of its size
-    float tilt = 0;    ///< [rad] downwards
+    Point2 base;      ///< [m]
+    float angle = 0;  ///< [rad] about z, counter-clockwise
+    float scale = 1;  ///< of its size
+    float tilt = 0;   ///< [rad] downwards
 
     Point2 place(Point2 p) const {
         const float c = std::cos(angle) * scale, s = std::sin(angle) * scale;
@@ -230,8 +230,10 @@ void add_pinnate(const LeafShape& shape, Builder& builder) {
         const float f = (static_cast<float>(i) + 0.5f) / static_cast<float>(pairs);
         const float size = 1 - 0.6f * (f - 0.45f) * (f - 0.45f);
         for (const float side : {1.0f, -1.0f})
-            builder.add_blade(
-                {.base = {0, y}, .angle = side * shape.leaflet_angle, .scale = size, .tilt = shape.blade_angle});
+            builder.add_blade({.base = {0, y},
+                               .angle = side * shape.leaflet_angle,
+                               .scale = size,
+                               .tilt = shape.blade_angle});
     }
     if (shape.leaflets % 2 == 1)
         builder.add_blade({.base = {0, pairs > 0 ? end : shape.petiole_length}, .tilt = shape.blade_angle});
@@ -254,9 +256,15 @@ FlatLeaf make_flat_leaf(const LeafShape& shape) {
         case LeafParts::simple:
             builder.add_blade({.base = {0, shape.petiole_length}, .tilt = shape.blade_angle});
             break;
-        case LeafParts::palmate: add_palmate(shape, builder); break;
-        case LeafParts::pinnate: add_pinnate(shape, builder); break;
-        case LeafParts::needles: add_needles(shape, builder); break;
+        case LeafParts::palmate:
+            add_palmate(shape, builder);
+            break;
+        case LeafParts::pinnate:
+            add_pinnate(shape, builder);
+            break;
+        case LeafParts::needles:
+            add_needles(shape, builder);
+            break;
     }
     return builder.take();
 }

@@ -24,8 +24,8 @@ struct FlatCorner {
 
 /// A triangle of a leaf.
 struct FlatTriangle {
-    std::array<FlatCorner, 3> corners;        ///< counter-clockwise seen from above
-    LeafPart part = LeafPart::blade;          ///< organ
+    std::array<FlatCorner, 3> corners;  ///< counter-clockwise seen from above
+    LeafPart part = LeafPart::blade;    ///< organ
     const FlatCorner& operator[](std::size_t k) const { return corners[k]; }  ///< corner k < 3
 };
 

@@ -25,9 +25,12 @@ float draw_normal(std::uint64_t bits) {
 float find_azimuth(const LeafRules& rules, std::uint32_t node, std::uint32_t index, float start) {
     const auto k = static_cast<float>(node), j = static_cast<float>(index);
     switch (rules.arrangement) {
-        case LeafArrangement::spiral: return start + std::fmod(k * rules.divergence, 2 * kPi);
-        case LeafArrangement::two_ranked: return kPi * static_cast<float>(node % 2);
-        case LeafArrangement::opposite: return start + 0.5f * kPi * static_cast<float>(node % 2) + kPi * j;
+        case LeafArrangement::spiral:
+            return start + std::fmod(k * rules.divergence, 2 * kPi);
+        case LeafArrangement::two_ranked:
+            return kPi * static_cast<float>(node % 2);
+        case LeafArrangement::opposite:
+            return start + 0.5f * kPi * static_cast<float>(node % 2) + kPi * j;
         case LeafArrangement::whorled: {
             const float gap = 2 * kPi / static_cast<float>(rules.whorl);
             return start + gap * (j + 0.5f * static_cast<float>(node % 2));
@@ -47,8 +50,7 @@ Vec3 turn_down(Vec3 along, Vec3 radial, float light, float droop) {
     along = normalized(Vec3{along.x, along.y, along.z * (1 - light)}, radial);
     const Vec3 level = reject(along, kUp, reject(radial, kUp, {1, 0, 0}));
     constexpr float kSteep = 1.5f;
-    const float elevation =
-        std::clamp(std::asin(std::clamp(along.z, -1.0f, 1.0f)) - droop, -kSteep, kSteep);
+    const float elevation = std::clamp(std::asin(std::clamp(along.z, -1.0f, 1.0f)) - droop, -kSteep, kSteep);
     return level * std::cos(elevation) + kUp * std::sin(elevation);
 }
 
@@ -67,18 +69,18 @@ Vec3 choose_color(const std::optional<Vec3d>& given, Vec3 otherwise, std::string
 LeafDraws draw_leaf(std::uint64_t key, std::uint64_t index) {
     const CounterRandom random(key, index);
     LeafDraws out;
-    for (std::size_t k = 0; k < out.uniform.size(); ++k) out.uniform[k] = static_cast<float>(random.uniform(k));
+    for (std::size_t k = 0; k < out.uniform.size(); ++k)
+        out.uniform[k] = static_cast<float>(random.uniform(k));
     for (std::size_t k = 0; k < out.normal.size(); ++k) out.normal[k] = draw_normal(random.bits(16 + k));
     out.bits = random.bits(32);
     return out;
 }
 
 LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint32_t node, std::uint32_t index,
-                     float start, const LeafDraws& draws) {
+                     float start, float opening, const LeafDraws& draws) {
     // Leaves at the tip have not yet turned away from the shoot.
-    const float opened = std::min(1.0f, 0.55f + 2 * place.from_tip);
-    const float azimuth =
-        find_azimuth(rules, node, index, start) + 0.5f * rules.spread * draws.normal[0];
+    const float opened = opening * std::min(1.0f, 0.55f + 2 * place.from_tip);
+    const float azimuth = find_azimuth(rules, node, index, start) + 0.5f * rules.spread * draws.normal[0];
     const Vec3 across = cross(place.axis, place.normal);
     const Vec3 radial = place.normal * std::cos(azimuth) + across * std::sin(azimuth);
     const float angle = std::clamp(rules.angle * opened + rules.spread * draws.normal[1], 0.0f, kPi);
@@ -95,9 +97,9 @@ LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint3
             .up = normalized(up * std::cos(roll) + cross(along, up) * std::sin(roll))};
 }
 
-Rotation make_rotation(const LeafFrame& frame) {
+CopyRotation make_rotation(const LeafFrame& frame) {
     const Vec3 x = cross(frame.along, frame.up), y = frame.along, z = frame.up;
-    Rotation r;
+    CopyRotation r;
     const float trace = x.x + y.y + z.z;
     if (trace > 0) {
         r = {y.z - z.y, z.x - x.z, x.y - y.x, 1 + trace};
@@ -112,29 +114,33 @@ Rotation make_rotation(const LeafFrame& frame) {
     return {r.x * scale, r.y * scale, r.z * scale, r.w * scale};
 }
 
-SeasonState find_season(const LeafRules& rules, float from_tip) {
-    const Vec3 young = choose_color(rules.young_color, {0.47f, 0.588f, 0.235f}, "young_color");
-    const Vec3 summer = choose_color(rules.summer_color, {0.29f, 0.384f, 0.165f}, "summer_color");
-    const Vec3 autumn = choose_color(rules.autumn_color, {0.878f, 0.722f, 0.22f}, "autumn_color");
-    const Vec3 fresh = lerp(summer, young, 0.35f * (1 - from_tip));
+SeasonEffects::SeasonEffects(const LeafRules& rules)
+    : season_(rules.season),
+      evergreen_(rules.evergreen),
+      young_(choose_color(rules.young_color, {0.47f, 0.588f, 0.235f}, "young_color")),
+      summer_(choose_color(rules.summer_color, {0.29f, 0.384f, 0.165f}, "summer_color")),
+      autumn_(choose_color(rules.autumn_color, {0.878f, 0.722f, 0.22f}, "autumn_color")) {}
+
+SeasonState SeasonEffects::find(float from_tip) const {
     constexpr float kNewGrowth = 0.15f;  // of the shoots of evergreens
-    const bool is_old = rules.evergreen && from_tip > kNewGrowth;
-    switch (rules.season) {
+    const bool is_old = evergreen_ && from_tip > kNewGrowth;
+    switch (season_) {
         case Season::bud:
             if (is_old) break;
-            return {.size = 0.25f, .angle = 0.35f, .hue = {young, lerp(young, summer, 0.2f)}};
+            return {.size = 0.25f, .angle = 0.35f, .hue = {young_, lerp(young_, summer_, 0.2f)}};
         case Season::young:
             if (is_old) break;
-            return {.size = 0.7f, .angle = 0.7f, .hue = {young, lerp(young, summer, 0.5f)}};
-        case Season::summer: break;
+            return {.size = 0.7f, .angle = 0.7f, .hue = {young_, lerp(young_, summer_, 0.5f)}};
+        case Season::summer:
+            break;
         case Season::autumn:
-            if (rules.evergreen) break;
-            return {.density = 0.8f, .hue = {lerp(summer, autumn, 0.25f), autumn}};
+            if (evergreen_) break;
+            return {.density = 0.8f, .hue = {lerp(summer_, autumn_, 0.25f), autumn_}};
         case Season::winter:
-            if (rules.evergreen) break;
-            return {.density = 0, .hue = {autumn, autumn}};
+            if (evergreen_) break;
+            return {.density = 0, .hue = {autumn_, autumn_}};
     }
-    return {.hue = {summer, fresh}};
+    return {.hue = {summer_, lerp(summer_, young_, 0.35f * (1 - from_tip))}};
 }
 
 std::array<std::uint8_t, 3> make_color(const SeasonState& season, const LeafRules& rules, float mix,
@@ -142,8 +148,8 @@ std::array<std::uint8_t, 3> make_color(const SeasonState& season, const LeafRule
     const Vec3 hue = lerp(season.hue[0], season.hue[1], mix) * (1 + rules.color_spread * (2 * light - 1));
     std::array<std::uint8_t, 3> out{};
     for (std::size_t k = 0; k < 3; ++k)
-        out[k] = static_cast<std::uint8_t>(
-            std::lround(255 * std::clamp(hue[static_cast<int>(k)], 0.0f, 1.0f)));
+        out[k] =
+            static_cast<std::uint8_t>(std::lround(255 * std::clamp(hue[static_cast<int>(k)], 0.0f, 1.0f)));
     return out;
 }
 

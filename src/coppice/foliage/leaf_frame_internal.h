@@ -5,6 +5,7 @@
 
 #include "coppice/foliage/placement.h"
 #include "coppice/foliage/shoots_internal.h"
+#include "coppice/mesh/instances.h"
 
 namespace coppice::foliage_internal {
 
@@ -27,11 +28,15 @@ struct LeafFrame {
 
 /// Returns the frame of leaf `index` of a node: `node` counts nodes from the tip; `start` [rad] is the
 /// direction of the first leaf of the shoot.
+/// `opening` is a factor of the angle of the petiole.
 LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint32_t node, std::uint32_t index,
-                     float start, const LeafDraws& draws);
+                     float start, float opening, const LeafDraws& draws);
+
+/// The rotation of a copy.
+using CopyRotation = decltype(Instances::rotations)::value_type;
 
 /// Returns the rotation from the frame of a prototype.
-Rotation make_rotation(const LeafFrame& frame);
+CopyRotation make_rotation(const LeafFrame& frame);
 
 /// The effects of the season.
 struct SeasonState {
@@ -41,9 +46,20 @@ struct SeasonState {
     std::array<Vec3, 2> hue;  ///< sRGB between which the colours of leaves vary
 };
 
-/// Returns the effects on a leaf; `from_tip` is 0 at the tip of the shoot. Throws InvalidInput for colours
-/// that are not in [0, 1].
-SeasonState find_season(const LeafRules& rules, float from_tip);
+/// The effects of the season on leaves by their age.
+class SeasonEffects {
+  public:
+    /// Throws InvalidInput for colours that are not in [0, 1].
+    explicit SeasonEffects(const LeafRules& rules);
+
+    /// Returns the effects on a leaf; `from_tip` is 0 at the tip of the shoot.
+    SeasonState find(float from_tip) const;
+
+  private:
+    Season season_;
+    bool evergreen_;
+    Vec3 young_, summer_, autumn_;
+};
 
 /// Returns the colour of a leaf. `mix` in [0, 1] selects the hue, `light` in [0, 1] the brightness.
 std::array<std::uint8_t, 3> make_color(const SeasonState& season, const LeafRules& rules, float mix,

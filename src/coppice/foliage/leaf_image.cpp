@@ -163,8 +163,7 @@ void visit_samples(const Raster& raster, const FlatTriangle& triangle, int row, 
     if (y < std::min({a.y, b.y, c.y}) || y > std::max({a.y, b.y, c.y})) return;
     const float area = cross2(b - a, c - a);
     if (std::abs(area) < 1e-20f) return;
-    const float scale =
-        static_cast<float>(raster.width * kSamples) / (raster.box.high.x - raster.box.low.x);
+    const float scale = static_cast<float>(raster.width * kSamples) / (raster.box.high.x - raster.box.low.x);
     const int first = static_cast<int>((std::min({a.x, b.x, c.x}) - raster.box.low.x) * scale) - 1;
     const int last = static_cast<int>((std::max({a.x, b.x, c.x}) - raster.box.low.x) * scale) + 1;
     for (int i = std::max(first, 0); i <= std::min(last, raster.width * kSamples - 1); ++i) {

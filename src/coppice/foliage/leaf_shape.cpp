@@ -19,16 +19,18 @@ void list_outline(LeafShape& o, FieldList& list) {
     list.add(common_field("outline", "Outline of a blade without its lobes and teeth."), o.outline);
     list.add(Field{"lobes", "Arrangement of the lobes of a blade."}, o.lobes);
     list.add(Field{"margin", "Teeth of a blade."}, o.margin);
-    list.add(common_field("length", "Length of a blade or needle without the petiole.", Unit::metre, 1e-3, 10),
-             o.length);
+    list.add(
+        common_field("length", "Length of a blade or needle without the petiole.", Unit::metre, 1e-3, 10),
+        o.length);
     list.add(common_field("width", "Width of a blade or needle.", Unit::metre, 1e-4, 10), o.width);
     list.add(Field{"base_exponent",
                    "Exponent of the half-width at the base: a small value makes it round, 1 straight, a "
                    "larger one hollow; 0 is that of the outline.",
                    Unit::none, 0, 4},
              o.base_exponent);
-    list.add(Field{"tip_exponent", "The same exponent at the tip; 0 is that of the outline.", Unit::none, 0, 4},
-             o.tip_exponent);
+    list.add(
+        Field{"tip_exponent", "The same exponent at the tip; 0 is that of the outline.", Unit::none, 0, 4},
+        o.tip_exponent);
     list.add(Field{"leaflets", "Number of leaflets of a leaf, or of needles of a bundle.", Unit::none, 1, 61},
              o.leaflets);
     list.add(Field{"leaflet_angle", "Angle between leaflets, or of needles to the axis of their bundle.",
@@ -37,8 +39,8 @@ void list_outline(LeafShape& o, FieldList& list) {
     list.add(Field{"lobe_count", "Number of lobes on each side; of palmate leaves, of all lobes.", Unit::none,
                    1, 15},
              o.lobe_count);
-    list.add(Field{"lobe_depth", "Depth of the sinuses between lobes per half-width of the blade.", Unit::none,
-                   0, 0.95},
+    list.add(Field{"lobe_depth", "Depth of the sinuses between lobes per half-width of the blade.",
+                   Unit::none, 0, 0.95},
              o.lobe_depth);
     list.add(Field{"teeth", "Number of teeth on each side of a blade.", Unit::none, 1, 200}, o.teeth);
     list.add(Field{"tooth_depth", "Height of the teeth per length of the blade.", Unit::none, 0, 0.2},
@@ -47,15 +49,17 @@ void list_outline(LeafShape& o, FieldList& list) {
 
 void list_form(LeafShape& o, FieldList& list) {
     list.add(Field{"veins", "Number of pairs of secondary veins.", Unit::none, 0, 60}, o.veins);
-    list.add(Field{"vein_angle", "Angle between the secondary veins and the midrib.", Unit::radian, 0.3, 1.57},
-             o.vein_angle);
+    list.add(
+        Field{"vein_angle", "Angle between the secondary veins and the midrib.", Unit::radian, 0.3, 1.57},
+        o.vein_angle);
     list.add(Field{"fold", "Angle by which each half of a blade is raised at the midrib.", Unit::radian, -1.5,
                    1.5},
              o.fold);
-    list.add(Field{"cup", "Angle by which each half of a blade bends up towards the margin.", Unit::radian, -3,
-                   3},
-             o.cup);
-    list.add(Field{"curl", "Angle by which a blade bends down towards its tip.", Unit::radian, -3, 3}, o.curl);
+    list.add(
+        Field{"cup", "Angle by which each half of a blade bends up towards the margin.", Unit::radian, -3, 3},
+        o.cup);
+    list.add(Field{"curl", "Angle by which a blade bends down towards its tip.", Unit::radian, -3, 3},
+             o.curl);
     list.add(Field{"wave", "Height of the waves of the margin per length of the blade.", Unit::none, 0, 0.2},
              o.wave);
     list.add(Field{"petiole_length", "Length of the petiole, or of the sheath of a bundle of needles.",

@@ -46,10 +46,10 @@ struct EnumNames<LeafLobes> {
 
 /// The margins of blades.
 enum class LeafMargin {
-    entire,         ///< smooth
-    serrate,        ///< teeth that point towards the tip
-    double_serrate, ///< large teeth with small ones
-    crenate,        ///< rounded teeth
+    entire,          ///< smooth
+    serrate,         ///< teeth that point towards the tip
+    double_serrate,  ///< large teeth with small ones
+    crenate,         ///< rounded teeth
 };
 
 template <>
@@ -77,29 +77,29 @@ struct LeafShape {
     LeafOutline outline = LeafOutline::elliptic;  ///< outline without lobes and teeth
     LeafLobes lobes = LeafLobes::none;            ///< arrangement of the lobes
     LeafMargin margin = LeafMargin::entire;       ///< teeth
-    float length = 0.08f;        ///< [m] of the blade from the petiole to the tip; in [1e-3, 10]
-    float width = 0.04f;         ///< [m] of the blade; in [1e-4, 10]
+    float length = 0.08f;  ///< [m] of the blade from the petiole to the tip; in [1e-3, 10]
+    float width = 0.04f;   ///< [m] of the blade; in [1e-4, 10]
     /// The half-width at the fraction t of the length is proportional to t^a (1 - t)^b: a; 0: that of the
     /// outline; in [0, 4].
     float base_exponent = 0;
-    float tip_exponent = 0;      ///< b of that formula; 0: that of the outline; in [0, 4]
-    int leaflets = 5;            ///< number of leaflets, or of needles in a bundle; in [1, 61]
-    float leaflet_angle = 0.7f;  ///< [rad] between leaflets, or of needles to the bundle; in [0, 1.6]
-    int lobe_count = 4;          ///< lobes on each side, or around the petiole if palmate; in [1, 15]
-    float lobe_depth = 0.45f;    ///< depth of the sinuses per half-width; in [0, 0.95]
-    int teeth = 20;              ///< number of teeth on each side; in [1, 200]
-    float tooth_depth = 0.02f;   ///< height of the teeth per length of the blade; in [0, 0.2]
-    int veins = 7;               ///< pairs of secondary veins; in [0, 60]
-    float vein_angle = 0.85f;    ///< [rad] between secondary veins and the midrib; in [0.3, 1.57]
-    float fold = 0.2f;           ///< [rad] by which each half is raised at the midrib; in [-1.5, 1.5]
-    float cup = 0.15f;           ///< [rad] by which each half bends up towards the margin; in [-3, 3]
-    float curl = 0.4f;           ///< [rad] by which the blade bends down towards the tip; in [-3, 3]
-    float wave = 0;              ///< height of the waves of the margin per length; in [0, 0.2]
+    float tip_exponent = 0;         ///< b of that formula; 0: that of the outline; in [0, 4]
+    int leaflets = 5;               ///< number of leaflets, or of needles in a bundle; in [1, 61]
+    float leaflet_angle = 0.7f;     ///< [rad] between leaflets, or of needles to the bundle; in [0, 1.6]
+    int lobe_count = 4;             ///< lobes on each side, or around the petiole if palmate; in [1, 15]
+    float lobe_depth = 0.45f;       ///< depth of the sinuses per half-width; in [0, 0.95]
+    int teeth = 20;                 ///< number of teeth on each side; in [1, 200]
+    float tooth_depth = 0.02f;      ///< height of the teeth per length of the blade; in [0, 0.2]
+    int veins = 7;                  ///< pairs of secondary veins; in [0, 60]
+    float vein_angle = 0.85f;       ///< [rad] between secondary veins and the midrib; in [0.3, 1.57]
+    float fold = 0.2f;              ///< [rad] by which each half is raised at the midrib; in [-1.5, 1.5]
+    float cup = 0.15f;              ///< [rad] by which each half bends up towards the margin; in [-3, 3]
+    float curl = 0.4f;              ///< [rad] by which the blade bends down towards the tip; in [-3, 3]
+    float wave = 0;                 ///< height of the waves of the margin per length; in [0, 0.2]
     float petiole_length = 0.015f;  ///< [m] in [0, 2]
     float petiole_width = 0.0015f;  ///< [m] in [1e-4, 0.1]
     float blade_angle = 0.2f;       ///< [rad] by which the blade bends down at the petiole; in [-1.6, 1.6]
-    int rows = 10;     ///< number of rows of faces along a blade or a needle; in [2, 200]
-    int columns = 1;   ///< number of faces across each half of a blade; in [1, 16]
+    int rows = 10;                  ///< number of rows of faces along a blade or a needle; in [2, 200]
+    int columns = 1;                ///< number of faces across each half of a blade; in [1, 16]
 };
 
 /// Lists the members for front ends.
@@ -113,9 +113,9 @@ struct LeafModel {
 
 /// Makes the mesh of a leaf: the blade with its fold, curl and waves, or its leaflets or needles, and a
 /// petiole with three sides. Neighbouring faces of a blade have the same orientation; its upper side faces
-/// +z. The texture is the leaf before it is bent, so that the image of make_leaf_image() fits. Lobes and teeth
-/// need rows: a blade with fewer than two rows for each tooth has a smooth margin. The mesh of a blade with
-/// an entire margin has 4 rows x columns triangles, less those at the base and the tip. O(rows columns).
+/// +z. The texture is the leaf before it is bent, so that the image of make_leaf_image() fits. Lobes and
+/// teeth need rows: a blade with fewer than two rows for each tooth has a smooth margin. The mesh of a blade
+/// with an entire margin has 4 rows x columns triangles, less those at the base and the tip. O(rows columns).
 /// Throws InvalidInput if a number is out of range.
 ///
 /// Sources: outlines by exponents as in a beta distribution; see docs/decisions/0038-foliage.md.

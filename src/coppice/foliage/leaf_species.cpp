@@ -12,7 +12,7 @@ constexpr float kGolden = 2.3998f;     // [rad] 137.5 degrees
 constexpr Vec3d srgb(int red, int green, int blue) { return Vec3d(red, green, blue) / 255.0; }
 
 constexpr Vec3d kYellow = srgb(224, 184, 56), kOchre = srgb(176, 120, 56), kCopper = srgb(160, 88, 44),
-            kRed = srgb(170, 52, 40), kBronze = srgb(150, 110, 60);
+                kRed = srgb(170, 52, 40), kBronze = srgb(150, 110, 60);
 
 LeafSpecies make_beech() {
     return {"beech",
@@ -367,9 +367,9 @@ LeafSpecies make_spruce() {
 
 std::span<const LeafSpecies> leaf_species() {
     static const std::vector<LeafSpecies> kSpecies{
-        make_beech(),       make_oak(),   make_birch(),  make_willow(), make_poplar(), make_horse_chestnut(),
-        make_apple(),       make_cherry(), make_field_maple(), make_hawthorn(), make_hazel(), make_olive(),
-        make_pine(),        make_spruce()};
+        make_beech(),          make_oak(),   make_birch(),  make_willow(),      make_poplar(),
+        make_horse_chestnut(), make_apple(), make_cherry(), make_field_maple(), make_hawthorn(),
+        make_hazel(),          make_olive(), make_pine(),   make_spruce()};
     return kSpecies;
 }
 

@@ -29,10 +29,14 @@ float compute_tooth(const LeafShape& shape, float t) {
     };
     const float x = t * static_cast<float>(shape.teeth);
     switch (shape.margin) {
-        case LeafMargin::entire: return 0;
-        case LeafMargin::serrate: return saw(x);
-        case LeafMargin::double_serrate: return 0.7f * saw(x) + 0.3f * saw(3 * x);
-        case LeafMargin::crenate: return std::abs(std::sin(kPi * x)) - 2 / kPi;
+        case LeafMargin::entire:
+            return 0;
+        case LeafMargin::serrate:
+            return saw(x);
+        case LeafMargin::double_serrate:
+            return 0.7f * saw(x) + 0.3f * saw(3 * x);
+        case LeafMargin::crenate:
+            return std::abs(std::sin(kPi * x)) - 2 / kPi;
     }
     return 0;
 }

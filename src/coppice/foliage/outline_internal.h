@@ -8,8 +8,8 @@ namespace coppice::foliage_internal {
 
 /// A point of a flat leaf.
 struct Point2 {
-    float x = 0;  ///< [m] to the right
-    float y = 0;  ///< [m] along the leaf
+    float x = 0;                                       ///< [m] to the right
+    float y = 0;                                       ///< [m] along the leaf
     friend bool operator==(Point2, Point2) = default;  ///< compares both coordinates
 };
 

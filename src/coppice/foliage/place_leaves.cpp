@@ -30,8 +30,8 @@ struct ShootResult {
 
 /// The part of a model that placement uses.
 struct ModelSize {
-    Vec3 tip;          ///< [m] farthest vertex
-    double area = 0;   ///< [m^2]
+    Vec3 tip;         ///< [m] farthest vertex
+    double area = 0;  ///< [m^2]
 };
 
 std::vector<ModelSize> measure_models(std::span<const LeafModel> models) {
@@ -46,13 +46,22 @@ std::vector<ModelSize> measure_models(std::span<const LeafModel> models) {
     return out;
 }
 
+float find_longest(const std::vector<ModelSize>& models) {
+    float longest = 0;
+    for (const ModelSize& model : models) longest = std::max(longest, length(model.tip));
+    return longest;
+}
+
+/// Returns the maximum length of a leaf.
+float find_reach(const std::vector<ModelSize>& models, const LeafRules& rules) {
+    return find_longest(models) * rules.size * (1 + rules.size_spread) * std::max(1.0f, rules.base_size);
+}
+
 /// Returns the radius above which leaves must not enter a segment: that of shoots, at most a twentieth of the
 /// longest leaf.
 float find_wood_radius(const std::vector<ModelSize>& models, float max_radius) {
     constexpr float kShare = 0.05f;
-    float longest = 0;
-    for (const ModelSize& model : models) longest = std::max(longest, length(model.tip));
-    return std::min(max_radius, kShare * longest);
+    return std::min(max_radius, kShare * find_longest(models));
 }
 
 class Placer {
@@ -61,9 +70,11 @@ class Placer {
            const Context& ctx)
         : skeleton_(skeleton),
           rules_(rules),
+          season_(rules),
           models_(measure_models(models)),
           table_(find_shoots(skeleton, rules)),
           wood_(skeleton, find_wood_radius(models_, table_.max_radius), ctx),
+          reach_(find_reach(models_, rules)),
           results_(table_.shoots.size()) {
         resize(table_.leaf_count);
         instances_.origin = skeleton.origin();
@@ -78,6 +89,8 @@ class Placer {
     }
 
   private:
+    static constexpr std::uint32_t kStretch = 32;  // nodes for which the wood around is found together
+
     void resize(std::size_t count) {
         instances_.prototypes.resize(count);
         instances_.positions.resize(count);
@@ -103,29 +116,55 @@ class Placer {
         const std::uint32_t per_node = count_leaves_per_node(rules_);
         const std::vector<ShootPlace> places = find_places(skeleton_, table_, shoot, rules_);
         ShootResult& result = results_[i];
+        std::vector<std::uint32_t> near;
         for (std::uint32_t node = 0; node < places.size(); ++node) {
+            if (node % kStretch == 0) wood_.find_near(bound_stretch(places, node), near);
             for (std::uint32_t k = 0; k < per_node; ++k)
-                place_leaf(places[node], node, k, of_shoot, draw_leaf(key, node * per_node + k),
+                place_leaf({places[node], node, k, near}, of_shoot, draw_leaf(key, node * per_node + k),
                            shoot.first + result.leaves, result);
         }
         keep_hull(result.hull);
     }
 
-    void place_leaf(const ShootPlace& place, std::uint32_t node, std::uint32_t k, const LeafDraws& of_shoot,
-                    const LeafDraws& draws, std::size_t at, ShootResult& result) {
-        const SeasonState season = find_season(rules_, place.from_tip);
+    /// Returns a box around all leaves of a number of nodes.
+    Box3 bound_stretch(const std::vector<ShootPlace>& places, std::size_t first) const {
+        Box3 box;
+        float radius = 0;
+        for (std::size_t i = first; i < std::min(first + kStretch, places.size()); ++i) {
+            box.extend(places[i].center);
+            radius = std::max(radius, places[i].radius);
+        }
+        return box.inflated(radius + reach_);
+    }
+
+    /// A place of one leaf.
+    struct LeafPlace {
+        const ShootPlace& shoot;
+        std::uint32_t node;                   ///< from the tip
+        std::uint32_t index;                  ///< at the node
+        std::span<const std::uint32_t> near;  ///< wood
+    };
+
+    void place_leaf(const LeafPlace& leaf, const LeafDraws& of_shoot, const LeafDraws& draws, std::size_t at,
+                    ShootResult& result) {
+        const ShootPlace& place = leaf.shoot;
+        const SeasonState season = season_.find(place.from_tip);
         if (draws.uniform[0] >= rules_.density * season.density) return;
-        LeafRules rules = rules_;
-        rules.angle *= season.angle;
         constexpr float kTurn = 6.2831853f;
-        const LeafFrame frame = make_frame(place, rules, node, k, kTurn * of_shoot.uniform[0], draws);
-        const Rotation rotation = make_rotation(frame);
-        const float scale = rules.size * season.size *
-                            (1 + rules.size_spread * (2 * draws.uniform[1] - 1)) *
-                            (1 + (rules.base_size - 1) * place.from_tip);
+        const LeafFrame frame = make_frame(place, rules_, leaf.node, leaf.index, kTurn * of_shoot.uniform[0],
+                                           season.angle, draws);
+        const CopyRotation rotation = make_rotation(frame);
+        const float scale = rules_.size * season.size *
+                            (1 + rules_.size_spread * (2 * draws.uniform[1] - 1)) *
+                            (1 + (rules_.base_size - 1) * place.from_tip);
         const auto model = static_cast<std::uint32_t>(draws.bits % models_.size());
         const Vec3 tip = rotate(rotation, scale * models_[model].tip);
-        if (passes_wood(place, frame.attachment, tip)) {
+        const Vec3 base = frame.attachment;
+        const LeafPoints points{.attachment = base,
+                                .node = place.node,
+                                .depth = 0.5f * place.radius,
+                                .midrib = {base + 0.35f * tip, base + 0.7f * tip, base + tip}};
+        if (wood_.contains(points, leaf.near)) {
             ++result.inside_wood;
             return;
         }
@@ -133,20 +172,13 @@ class Placer {
         instances_.positions[at] = frame.attachment;
         instances_.rotations[at] = rotation;
         instances_.scales[at] = scale;
-        instances_.colors[at] = make_color(season, rules, 0.5f * (of_shoot.uniform[1] + draws.uniform[2]),
-                                           draws.uniform[3]);
+        instances_.colors[at] =
+            make_color(season, rules_, 0.5f * (of_shoot.uniform[1] + draws.uniform[2]), draws.uniform[3]);
         ++result.leaves;
         result.floating += floats(place, frame.attachment) ? 1 : 0;
         result.area += double{scale} * double{scale} * models_[model].area;
         result.inclination += std::acos(std::clamp(double{frame.up.z}, -1.0, 1.0));
         for (const Vec3 p : {frame.attachment, frame.attachment + tip}) result.hull.push_back({p.x, p.y});
-    }
-
-    /// Returns whether a leaf is attached inside of a thicker branch, or its midrib enters one.
-    bool passes_wood(const ShootPlace& place, Vec3 attachment, Vec3 tip) const {
-        const std::array points{attachment + 0.35f * tip, attachment + 0.7f * tip, attachment + tip};
-        return wood_.contains_any(std::span(&attachment, 1), place.node, 0.5f * place.radius) ||
-               wood_.contains_any(points, NodeId::none(), 0);
     }
 
     /// Returns whether a place is farther from the bark of its segment than by rounding.
@@ -189,9 +221,11 @@ class Placer {
 
     const Skeleton& skeleton_;
     const LeafRules& rules_;
+    SeasonEffects season_;
     std::vector<ModelSize> models_;
     ShootTable table_;
     Wood wood_;
+    float reach_;
     std::vector<ShootResult> results_;
     Instances instances_;
 };
@@ -202,7 +236,6 @@ Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models
                      const Context& ctx) {
     check_fields(rules, "leaves");
     if (models.empty()) throw InvalidInput("leaves: there is no model of a leaf; add at least one");
-    find_season(rules, 0);  // checks the colours
     if (skeleton.size() == 0) return {};
     return Placer(skeleton, models, rules, ctx).place(ctx);
 }

@@ -8,14 +8,14 @@ void list_arrangement(LeafRules& o, FieldList& list) {
     list.add(common_field("season", "Season, which sets sizes, colours and the share of fallen leaves."),
              o.season);
     list.add(Field{"evergreen", "Keep the leaves in winter."}, o.evergreen);
-    list.add(common_field("max_radius",
-                          "Maximum radius of leafy shoots; 0 is twice the median of all tips.",
+    list.add(common_field("max_radius", "Maximum radius of leafy shoots; 0 is twice the median of all tips.",
                           Unit::metre, 0, 1),
              o.max_radius);
     list.add(common_field("shoot_length", "Length of the leafy end of an axis.", Unit::metre, 1e-3, 100),
              o.shoot_length);
-    list.add(Field{"min_order", "Minimum branch order of leafy shoots; 0 includes stems.", Unit::none, 0, 1000},
-             o.min_order);
+    list.add(
+        Field{"min_order", "Minimum branch order of leafy shoots; 0 includes stems.", Unit::none, 0, 1000},
+        o.min_order);
     list.add(common_field("internode", "Mean distance between the nodes of a shoot.", Unit::metre, 2e-4, 10),
              o.internode);
     list.add(Field{"clustering", "Degree to which leaves gather at the tip of a shoot.", Unit::none, 0, 1},
@@ -39,8 +39,9 @@ void list_form(LeafRules& o, FieldList& list) {
                    Unit::none, 0.05, 5},
              o.base_size);
     list.add(common_field("density", "Share of the leaves that are kept.", Unit::none, 0, 1), o.density);
-    list.add(Field{"color_spread", "Maximum relative deviation of the brightness of leaves.", Unit::none, 0, 1},
-             o.color_spread);
+    list.add(
+        Field{"color_spread", "Maximum relative deviation of the brightness of leaves.", Unit::none, 0, 1},
+        o.color_spread);
     list.add(Field{"young_color", "Colour of young leaves in sRGB from 0 to 1; by default light green."},
              o.young_color);
     list.add(Field{"summer_color", "Colour of leaves in summer in sRGB; by default green."}, o.summer_color);

@@ -50,25 +50,25 @@ struct LeafRules {
     bool evergreen = false;                                 ///< keeps its leaves in winter
     /// [m] maximum radius of shoots; 0: twice the median of all tips; in [0, 1].
     float max_radius = 0;
-    float shoot_length = 0.3f;  ///< [m] length of the leafy end of an axis; in [1e-3, 100]
-    int min_order = 1;          ///< minimum branch order of shoots; 0 includes stems; in [0, 1000]
-    float internode = 0.025f;   ///< [m] mean distance of nodes along a shoot; in [2e-4, 10]
-    float clustering = 0;       ///< 1: internodes are far shorter at the tip than at the base; in [0, 1]
-    float divergence = 2.3998f; ///< [rad] of a spiral between one leaf and the next; in [0, 6.2832]
-    int whorl = 3;              ///< leaves per node of whorls; in [2, 50]
-    float angle = 0.9f;         ///< [rad] of the petiole to the shoot; in [0, 3.1416]
-    float light = 0.7f;         ///< share by which leaves turn level, their upper side up; in [0, 1]
-    float droop = 0.25f;        ///< [rad] by which leaves hang down; in [-1.6, 1.6]
-    float spread = 0.25f;       ///< [rad] standard deviation of all angles; in [0, 1.6]
-    float size = 1;             ///< factor of the size of all leaves; in [0.01, 100]
-    float size_spread = 0.15f;  ///< maximum relative deviation of sizes; in [0, 0.9]
-    float base_size = 0.75f;    ///< size at the base of a shoot relative to that at its tip; in [0.05, 5]
-    float density = 1;          ///< share of the leaves that are kept; in [0, 1]
-    float color_spread = 0.12f; ///< maximum relative deviation of the brightness; in [0, 1]
+    float shoot_length = 0.3f;   ///< [m] length of the leafy end of an axis; in [1e-3, 100]
+    int min_order = 1;           ///< minimum branch order of shoots; 0 includes stems; in [0, 1000]
+    float internode = 0.025f;    ///< [m] mean distance of nodes along a shoot; in [2e-4, 10]
+    float clustering = 0;        ///< 1: internodes are far shorter at the tip than at the base; in [0, 1]
+    float divergence = 2.3998f;  ///< [rad] of a spiral between one leaf and the next; in [0, 6.2832]
+    int whorl = 3;               ///< leaves per node of whorls; in [2, 50]
+    float angle = 0.9f;          ///< [rad] of the petiole to the shoot; in [0, 3.1416]
+    float light = 0.7f;          ///< share by which leaves turn level, their upper side up; in [0, 1]
+    float droop = 0.25f;         ///< [rad] by which leaves hang down; in [-1.6, 1.6]
+    float spread = 0.25f;        ///< [rad] standard deviation of all angles; in [0, 1.6]
+    float size = 1;              ///< factor of the size of all leaves; in [0.01, 100]
+    float size_spread = 0.15f;   ///< maximum relative deviation of sizes; in [0, 0.9]
+    float base_size = 0.75f;     ///< size at the base of a shoot relative to that at its tip; in [0.05, 5]
+    float density = 1;           ///< share of the leaves that are kept; in [0, 1]
+    float color_spread = 0.12f;  ///< maximum relative deviation of the brightness; in [0, 1]
     std::optional<Vec3d> young_color = std::nullopt;   ///< sRGB in [0, 1]; default: light green
     std::optional<Vec3d> summer_color = std::nullopt;  ///< the same in summer; default: green
     std::optional<Vec3d> autumn_color = std::nullopt;  ///< the same in autumn; default: yellow
-    int seed = 0;               ///< seed of all random numbers; in [0, 2^31 - 1]
+    int seed = 0;                                      ///< seed of all random numbers; in [0, 2^31 - 1]
 };
 
 /// Lists the members for front ends.
@@ -108,14 +108,14 @@ struct Foliage {
 };
 
 /// Places copies of `models`, which are variants of one leaf, on the shoots of a skeleton: a leaf at every
-/// tip, and further ones towards the base of the shoot. Every leaf is attached to the bark: at the distance of
-/// the radius from the axis of its segment. Leaves that are attached inside of another branch, or enter wood
-/// with their midrib, are removed; wood are the segments thicker than shoots or a tenth of the leaf.
+/// tip, and further ones towards the base of the shoot. Every leaf is attached to the bark: at the distance
+/// of the radius from the axis of its segment. Leaves that are attached inside of another branch, or enter
+/// wood with their midrib, are removed; wood are the segments thicker than shoots or a tenth of the leaf.
 ///
 /// The leaves of an axis depend only on its own nodes, the stable id of its first node, and the seed: edits
 /// elsewhere do not change them. The same bits for any number of threads. O(n + leaves log n) for n nodes,
-/// about 0.3 microseconds and 50 bytes per leaf. Throws InvalidInput if a number is out of range, if there are no
-/// models, or for more than 20 million leaves; Cancelled.
+/// about 0.3 microseconds and 50 bytes per leaf. Throws InvalidInput if a number is out of range, if there
+/// are no models, or for more than 20 million leaves; Cancelled.
 Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules = {},
                      const Context& ctx = {});
 

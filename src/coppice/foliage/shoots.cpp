@@ -61,9 +61,12 @@ float find_share(const Shoot& shoot, const LeafRules& rules, std::uint32_t k) {
 std::uint32_t count_leaves_per_node(const LeafRules& rules) {
     switch (rules.arrangement) {
         case LeafArrangement::spiral:
-        case LeafArrangement::two_ranked: return 1;
-        case LeafArrangement::opposite: return 2;
-        case LeafArrangement::whorled: return static_cast<std::uint32_t>(rules.whorl);
+        case LeafArrangement::two_ranked:
+            return 1;
+        case LeafArrangement::opposite:
+            return 2;
+        case LeafArrangement::whorled:
+            return static_cast<std::uint32_t>(rules.whorl);
     }
     return 1;
 }
@@ -85,10 +88,10 @@ ShootTable find_shoots(const Skeleton& skeleton, const LeafRules& rules) {
         const float places = shoot.length / rules.internode;
         count += (1 + std::floor(double{places})) * static_cast<double>(per_node);
         if (count > kMaxLeaves)
-            throw InvalidInput(
-                fmt::format("leaves: there are more than {:.0f} million leaves; increase internode, or reduce "
-                            "shoot_length or max_radius",
-                            kMaxLeaves / 1e6));
+            throw InvalidInput(fmt::format(
+                "leaves: there are more than {:.0f} million leaves; increase internode, or reduce "
+                "shoot_length or max_radius",
+                kMaxLeaves / 1e6));
         shoot.nodes = 1 + static_cast<std::uint32_t>(places);
         out.leaf_count += shoot.nodes * per_node;
         out.shoots.push_back(shoot);

@@ -19,21 +19,21 @@ struct Shoot {
 
 /// The shoots of a skeleton.
 struct ShootTable {
-    BranchTable table;               ///< all axes
-    std::vector<Shoot> shoots;       ///< by branch
-    float max_radius = 0;            ///< [m] of shoots
-    std::uint64_t thick_tips = 0;    ///< as in FoliageReport
-    std::size_t leaf_count = 0;      ///< possible leaves: of all places, before any is removed
+    BranchTable table;             ///< all axes
+    std::vector<Shoot> shoots;     ///< by branch
+    float max_radius = 0;          ///< [m] of shoots
+    std::uint64_t thick_tips = 0;  ///< as in FoliageReport
+    std::size_t leaf_count = 0;    ///< possible leaves: of all places, before any is removed
 };
 
 /// A place on the axis of a shoot.
 struct ShootPlace {
-    Vec3 center;          ///< [m] on the axis
-    Vec3 axis;            ///< unit vector towards the tip
-    Vec3 normal;          ///< unit vector across, carried along the axis with minimal rotation
-    float radius = 0;     ///< [m]
-    float from_tip = 0;   ///< 0 at the tip, 1 at the base of the shoot
-    NodeId node;          ///< end of its segment
+    Vec3 center;         ///< [m] on the axis
+    Vec3 axis;           ///< unit vector towards the tip
+    Vec3 normal;         ///< unit vector across, carried along the axis with minimal rotation
+    float radius = 0;    ///< [m]
+    float from_tip = 0;  ///< 0 at the tip, 1 at the base of the shoot
+    NodeId node;         ///< end of its segment
 };
 
 /// Finds the shoots with the numbers of their leaves. Throws InvalidInput for too many leaves.

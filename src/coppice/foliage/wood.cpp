@@ -36,17 +36,17 @@ Wood::Wood(const Skeleton& skeleton, float max_radius, const Context& ctx)
       cones_(make_cones(skeleton, nodes_)),
       boxes_(make_boxes(cones_), ctx) {}
 
-bool Wood::contains_any(std::span<const Vec3> points, NodeId except, float depth) const {
-    Box3 box;
-    for (const Vec3 p : points) box.extend(p);
-    bool found = false;
-    boxes_.visit_overlapping(box, [&](std::uint32_t i) {
-        found = nodes_[i] != except && std::ranges::any_of(points, [&](Vec3 p) {
-                    return cones_[i].closest_point(p).signed_distance() < -depth;
-                });
-        return !found;
+void Wood::find_near(const Box3& box, std::vector<std::uint32_t>& near) const {
+    near.clear();
+    boxes_.visit_overlapping(box, [&](std::uint32_t i) { near.push_back(i); });
+}
+
+bool Wood::contains(const LeafPoints& leaf, std::span<const std::uint32_t> near) const {
+    return std::ranges::any_of(near, [&](std::uint32_t i) {
+        const auto depth = [&](Vec3 p) { return -cones_[i].closest_point(p).signed_distance(); };
+        return (nodes_[i] != leaf.node && depth(leaf.attachment) > leaf.depth) ||
+               std::ranges::any_of(leaf.midrib, [&](Vec3 p) { return depth(p) > 0; });
     });
-    return found;
 }
 
 }  // namespace coppice::foliage_internal
