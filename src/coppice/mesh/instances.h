@@ -13,7 +13,7 @@
 namespace coppice {
 
 /// A rotation as a unit quaternion.
-struct Rotation {
+struct Quaternion {
     float x = 0;  ///< of the vector
     float y = 0;  ///< of the vector
     float z = 0;  ///< of the vector
@@ -21,7 +21,7 @@ struct Rotation {
 };
 
 /// Returns the rotated vector; `r` must be of unit length.
-inline Vec3 rotate(Rotation r, Vec3 v) {
+inline Vec3 rotate(Quaternion r, Vec3 v) {
     const Vec3 axis{r.x, r.y, r.z};
     const Vec3 t = 2.0f * cross(axis, v);
     return v + r.w * t + cross(axis, t);
@@ -41,7 +41,7 @@ struct Prototype {
 struct Instances {
     std::vector<std::uint32_t> prototypes;  ///< index of the prototype
     std::vector<Vec3> positions;            ///< [m] of the point of attachment, relative to `origin`
-    std::vector<Rotation> rotations;        ///< from the frame of the prototype to that of the tree
+    std::vector<Quaternion> rotations;      ///< from the frame of the prototype to that of the tree
     std::vector<float> scales;              ///< > 0
     std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB, multiplied with that of the material
     Vec3d origin;                                     ///< [m]
