@@ -79,7 +79,9 @@ TEST(Placement, begins_on_the_bark_and_leaves_at_the_angle) {
         const Vec3 along = rotate(leaves.rotations[i], {0, 1, 0}),
                    up = rotate(leaves.rotations[i], {0, 0, 1});
         // Leaves at the tip have opened less.
-        if (i >= 3) EXPECT_NEAR(along.x, std::cos(0.9), 1e-5);
+        if (i >= 3) {
+            EXPECT_NEAR(along.x, std::cos(0.9), 1e-5);
+        }
         // The petiole points away from the axis, and the upper side faces the tip of the shoot.
         EXPECT_GT(along.y * p.y + along.z * (p.z - 1), 0);
         EXPECT_GT(up.x, 0);
@@ -106,7 +108,9 @@ TEST(Placement, two_ranks_are_level_on_level_shoots) {
     for (std::size_t i = 0; i < leaves.size(); ++i) {
         EXPECT_NEAR(leaves.positions[i].z, 1, 1e-6);
         EXPECT_NEAR(rotate(leaves.rotations[i], {0, 0, 1}).z, 1, 1e-5);
-        if (i > 0) EXPECT_LT(leaves.positions[i].y * leaves.positions[i - 1].y, 0);
+        if (i > 0) {
+            EXPECT_LT(leaves.positions[i].y * leaves.positions[i - 1].y, 0);
+        }
     }
 }
 
