@@ -114,8 +114,8 @@ struct Foliage {
 ///
 /// The leaves of an axis depend only on its own nodes, the stable id of its first node, and the seed: edits
 /// elsewhere do not change them. The same bits for any number of threads. O(n + leaves log n) for n nodes,
-/// about 0.3 microseconds and 50 bytes per leaf. Throws InvalidInput if a number is out of range, if there
-/// are no models, or for more than 20 million leaves; Cancelled.
+/// about 1 microsecond of CPU time and 50 bytes per leaf. Throws InvalidInput if a number is out of range, if
+/// there are no models, or for more than 20 million leaves; Cancelled.
 Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules = {},
                      const Context& ctx = {});
 
