@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "coppice/base/srgb.h"
+
 namespace coppice {
 namespace {
 
@@ -34,10 +36,7 @@ Rgb to_srgb(Vec3 linear) {
 }
 
 Vec3 to_linear(Rgb color) {
-    const auto light = [](std::uint8_t byte) {
-        const float x = static_cast<float>(byte) / 255;
-        return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
-    };
+    const auto light = [](std::uint8_t byte) { return decode_srgb(static_cast<float>(byte) / 255); };
     return {light(color[0]), light(color[1]), light(color[2])};
 }
 

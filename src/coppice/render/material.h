@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "coppice/base/vec.h"
 #include "coppice/render/image.h"
 
 namespace coppice {
@@ -12,6 +15,12 @@ struct RenderMaterial {
                    ///< / 2
     Image roughness;  ///< red channel: 0 reflects as a mirror, 1 is matt; empty: without reflections
     Image occlusion;  ///< red channel: fraction of the light of the sky that arrives; empty: all
+    /// Linear colour, multiplied with that of the image; without both, the colour of meshes without material.
+    std::optional<Vec3> base_color = {};
+    bool cut_out = false;  ///< parts of `color` with an alpha below one half are holes
+    /// Light that passes through a thin surface, such as a leaf, relative to the light that it reflects; >=
+    /// 0.
+    float transmission = 0;
 };
 
 }  // namespace coppice

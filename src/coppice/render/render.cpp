@@ -44,6 +44,18 @@ std::span<const RenderMaterial> get_materials(const RenderScene& scene) {
     return {scene.material, 1};
 }
 
+bool has_drawn_copies(const RenderScene& scene, const RenderOptions& options) {
+    return scene.instances != nullptr && !scene.instances->empty() &&
+           (options.color == RenderColor::plain || options.color == RenderColor::signal);
+}
+
+void check(const RenderMaterial& material) {
+    if (material.cut_out && material.color.pixels.empty())
+        throw InvalidInput("render: a material with holes requires an image of its colour");
+    if (!(material.transmission >= 0 && std::isfinite(material.transmission)))
+        throw InvalidInput("render: the transmission of a material must be >= 0");
+}
+
 void check(const RenderMaterial& material, const PolygonMesh* mesh) {
     if (mesh == nullptr || mesh->texture.empty())
         throw InvalidInput("render: a material requires a mesh with texture coordinates");
@@ -64,6 +76,24 @@ void check(const RenderMaterial& material, const PolygonMesh* mesh) {
     const Image* images[] = {&material.color, &material.normal, &material.roughness, &material.occlusion};
     if (std::ranges::all_of(images, [](const Image* image) { return image->pixels.empty(); }))
         throw InvalidInput("render: the material has no image");
+    check(material);
+}
+
+void check_copies(const RenderScene& scene) {
+    validate(scene.prototypes, *scene.instances);
+    for (const Prototype& prototype : scene.prototypes) {
+        for (const Vec3 p : prototype.mesh.positions) {
+            if (!is_finite(p))
+                throw InvalidInput(
+                    fmt::format("render: prototype '{}' has no finite position", prototype.name));
+        }
+        for (const TexturePoint t : prototype.texture) {
+            if (!std::isfinite(t.u) || !std::isfinite(t.v))
+                throw InvalidInput(fmt::format(
+                    "render: the texture coordinates of prototype '{}' are not finite", prototype.name));
+        }
+    }
+    for (const RenderMaterial& material : scene.prototype_materials) check(material);
 }
 
 void check(const RenderScene& scene, const RenderOptions& options) {
@@ -75,8 +105,10 @@ void check(const RenderScene& scene, const RenderOptions& options) {
                         options.camera.width, options.camera.height, kMaxPixels / 1'000'000));
     }
     if (scene.view != nullptr) validate(*scene.view, "render: view");
-    if (scene.mesh == nullptr && scene.skeleton == nullptr && scene.cloud == nullptr)
+    const bool copies = has_drawn_copies(scene, options);
+    if (scene.mesh == nullptr && scene.skeleton == nullptr && scene.cloud == nullptr && !copies)
         throw InvalidInput("render: there is nothing to draw");
+    if (copies) check_copies(scene);
     if (scene.mesh != nullptr) {
         if (scene.mesh->face_count() == 0) throw InvalidInput("render: the mesh has no faces");
         for (const std::uint32_t v : scene.mesh->corners) {
@@ -194,6 +226,7 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     RenderScene shown = scene;
     if (options.color == RenderColor::deviation || options.color == RenderColor::distance)
         shown.skeleton = nullptr;  // it would cover the coloured surface
+    if (!has_drawn_copies(scene, options)) shown.instances = nullptr;
     RenderOptions chosen = options;
     RadiusColors radii;
     if (options.color == RenderColor::radius) {
@@ -222,7 +255,8 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
             "render: the point of look_at is behind the camera; change the direction of the camera");
     std::vector<TracedMaterial> materials;
     if (options.color == RenderColor::plain) {
-        for (const RenderMaterial& material : get_materials(scene)) materials.emplace_back(material, ctx);
+        for (const auto of : {get_materials(scene), scene.prototype_materials})
+            for (const RenderMaterial& material : of) materials.emplace_back(material, ctx);
     }
     const Shading shading(traced, camera, chosen, materials);
     Image image(options.camera.width, options.camera.height);

@@ -8,6 +8,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/fields.h"
 #include "coppice/measure/surface_tree.h"
+#include "coppice/mesh/instances.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_cloud.h"
 #include "coppice/render/frame_view.h"
@@ -56,9 +57,15 @@ struct RenderScene {
     /// no material.
     std::span<const std::uint32_t> face_materials;
     std::span<const RenderMaterial> materials;  ///< used with `face_materials`
-    const PointCloud* cloud = nullptr;          ///< points; may be null
-    float point_radius = 0;                     ///< [m] of the points; > 0
-    const Skeleton* skeleton = nullptr;         ///< the skeleton; may be null
+    /// Placed copies, such as leaves, drawn on both sides and only with the colours `plain` and `signal`; may
+    /// be null.
+    const Instances* instances = nullptr;
+    std::span<const Prototype> prototypes;  ///< of the copies
+    /// Indexed by `Prototype::material`; prototypes with another value have no material.
+    std::span<const RenderMaterial> prototype_materials;
+    const PointCloud* cloud = nullptr;   ///< points; may be null
+    float point_radius = 0;              ///< [m] of the points; > 0
+    const Skeleton* skeleton = nullptr;  ///< the skeleton; may be null
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
     std::span<const float>
@@ -105,9 +112,10 @@ void list_fields(RenderOptions& o, FieldList& list);
 /// Draws the scene with sun and sky light [Wald2014]. `distance` shows for every point of the mesh, or of the
 /// cloud, how far outside the other surface it is, as in figure 10 of [Zhu2015]; it requires one search for
 /// each sample, or point. The result does not depend on the number of threads; the time is that of building a
-/// tree over the faces (about n log n) plus that of up to three rays per sample. Throws InvalidInput for an
-/// empty scene, options out of range, more than 128 million pixels, positions that are not finite, or a
-/// look_at behind the camera; Cancelled if stopped.
+/// tree over the faces and copies (about n log n) plus that of up to three rays per sample. Copies share the
+/// tree of their prototype: 500,000 of them take about 70 MiB. Throws InvalidInput for an empty scene, options
+/// out of range, more than 128 million pixels, positions that are not finite, invalid instances, or a look_at
+/// behind the camera; Cancelled if stopped.
 Image render(const RenderScene& scene, const RenderOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice

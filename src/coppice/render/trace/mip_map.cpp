@@ -109,4 +109,16 @@ float MipMap::level(float du_dx, float dv_dx, float du_dy, float dv_dy) const {
     return std::log2(std::max(longest, 1e-6f));
 }
 
+bool is_cut_out(const Image& image, TexturePoint at) {
+    constexpr float kHalf = 127.5f;
+    const Between x = between(at.u, image.width), y = between(-at.v, image.height);
+    const auto row = [&](int line) {
+        const auto first = static_cast<float>(image.at(x.first, line)[3]);
+        const auto second = static_cast<float>(image.at(x.second, line)[3]);
+        return first + (second - first) * x.weight;
+    };
+    const float top = row(y.first), bottom = row(y.second);
+    return top + (bottom - top) * y.weight < kHalf;
+}
+
 }  // namespace coppice

@@ -5,6 +5,7 @@
 
 #include "coppice/base/context.h"
 #include "coppice/base/vec.h"
+#include "coppice/mesh/texture.h"
 #include "coppice/render/image.h"
 
 namespace coppice {
@@ -46,5 +47,9 @@ class MipMap {
     std::vector<float> decoded_;  ///< of each byte
     std::vector<Level> levels_;   ///< from half the size down
 };
+
+/// Returns whether the alpha of a repeating image, interpolated between its pixels, is below one half; v is
+/// up. The image must not be empty, the coordinates finite.
+bool is_cut_out(const Image& image, TexturePoint at);
 
 }  // namespace coppice

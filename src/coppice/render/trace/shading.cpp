@@ -23,6 +23,8 @@ constexpr Vec3 kSunLight{1.30f, 1.22f, 1.08f};
 constexpr Vec3 kSkyLight{0.62f, 0.68f, 0.76f};
 constexpr Vec3 kEarthLight{0.34f, 0.31f, 0.28f};
 constexpr Vec3 kBounce{0.10f, 0.09f, 0.08f};  // light that closed corners receive from their walls
+// Leaves absorb more blue from the light that passes through than from the light that they reflect.
+constexpr Vec3 kThrough{1.1f, 1.05f, 0.5f};
 constexpr Vec3 kClay{0.42f, 0.345f, 0.27f};
 constexpr Vec3 kBackground{0.90f, 0.91f, 0.92f};
 constexpr Vec3 kWire{0.03f, 0.03f, 0.04f};
@@ -40,8 +42,6 @@ constexpr float kSame = 1e-5f;  // relative distance within which a marked face 
 struct Pair {
     float x, y;
 };
-
-constexpr Vec3 multiply(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 float smooth_step(float low, float high, float x) {
     const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
@@ -88,6 +88,7 @@ struct Shading::Surface {
     Vec3 albedo, normal;
     std::optional<float> roughness;
     float occlusion = 1;
+    float transmission = 0;
 };
 
 Shading::Shading(const TracedScene& scene, const Camera& camera, const RenderOptions& options,
@@ -192,30 +193,42 @@ Footprint Shading::footprint(const Hit& hit, const Camera::Ray& ray, float x, fl
 }
 
 Shading::Surface Shading::surface(const Hit& hit, const Camera::Ray& ray, float x, float y) const {
-    Surface out{albedo(hit), hit.normal, std::nullopt, 1};
+    Surface out{albedo(hit), hit.normal, std::nullopt, 1, 0};
     const auto places = scene_.texture_places(hit);
     if (!places || places->material >= materials_.size()) return out;
     const Texel texel = materials_[places->material].at(*places, footprint(hit, ray, x, y), hit.normal);
-    return {texel.color.value_or(out.albedo), texel.normal, texel.roughness, texel.occlusion};
+    out = {texel.color.value_or(out.albedo), texel.normal, texel.roughness, texel.occlusion,
+           texel.transmission};
+    if (hit.copy) out.albedo = multiply(out.albedo, scene_.copy_color(*hit.copy));
+    return out;
 }
 
+/// Adds the light on the visible side and the light that arrives through the surface. One ray towards the sky
+/// samples either side, with a probability in proportion to its part of the light.
 Light Shading::solid(const Hit& hit, const Camera::Ray& ray, float x, float y, const Draws& draws) const {
     const Surface s = surface(hit, ray, x, y);
-    const Vec3 from = hit.lifted + hit.geometric_normal * (kOffset * (4 + hit.distance));
+    const Vec3 offset = hit.geometric_normal * (kOffset * (4 + hit.distance));
+    const Vec3 above = hit.lifted + offset, below = hit.position - offset;
     const Gloss gloss{s.normal, -ray.direction, s.roughness.value_or(1)};
-    Vec3 light = kBounce * s.occlusion, shine;
+    Vec3 light = kBounce * s.occlusion, through, shine;
     const Vec3 to_sun = sun_direction(draws);
     const float facing = dot(s.normal, to_sun);
-    if (facing > 0 && !scene_.occluded(from, to_sun, std::numeric_limits<float>::infinity())) {
+    if (facing > 0 && !scene_.occluded(above, to_sun, std::numeric_limits<float>::infinity())) {
         light += kSunLight * facing;
         if (s.roughness) shine += kSunLight * gloss.of_source(to_sun);
     }
-    const Vec3 to_sky = cosine_direction(s.normal, draws.sky);
-    if (!scene_.occluded(from, to_sky, kAmbientReach)) {
-        light += sky(to_sky) * s.occlusion;
+    if (facing < 0 && s.transmission > 0 &&
+        !scene_.occluded(below, to_sun, std::numeric_limits<float>::infinity()))
+        through += kSunLight * (-facing * s.transmission);
+    const float share = s.transmission / (1 + s.transmission);
+    const bool is_below = draws.sky.x < share;
+    const Pair place{is_below ? draws.sky.x / share : (draws.sky.x - share) / (1 - share), draws.sky.y};
+    const Vec3 to_sky = cosine_direction(is_below ? -s.normal : s.normal, place);
+    if (!scene_.occluded(is_below ? below : above, to_sky, kAmbientReach)) {
+        (is_below ? through : light) += sky(to_sky) * (s.occlusion * (1 + s.transmission));
         if (s.roughness) shine += sky(gloss.sky_direction()) * (gloss.of_sky() * s.occlusion);
     }
-    Vec3 color = multiply(s.albedo, light) + shine;
+    Vec3 color = multiply(s.albedo, light + multiply(kThrough, through)) + shine;
     if (options_.wireframe && hit.on_mesh) color = lerp(color, kWire, kWireCover * wire(hit, x, y));
     return {color, 1};
 }
@@ -223,10 +236,11 @@ Light Shading::solid(const Hit& hit, const Camera::Ray& ray, float x, float y, c
 /// Returns the coverage of the point (x, y) of the image by an edge of the face. Edges of faces smaller than
 /// a few pixels fade, because they would only blacken the surface.
 float Shading::wire(const Hit& hit, float x, float y) const {
-    const Quad& q = scene_.quad(hit.face);
+    const TracedMesh& mesh = scene_.mesh();
+    const Quad& q = mesh.quads()[hit.place.face];
     std::array<Pair, 4> corner;
     for (std::size_t k = 0; k < 4; ++k) {
-        const auto p = camera_.project(scene_.position(q[k]));
+        const auto p = camera_.project(mesh.positions()[q[k]]);
         if (p.depth <= 0) return 0;
         corner[k] = {p.x, p.y};
     }
@@ -234,7 +248,7 @@ float Shading::wire(const Hit& hit, float x, float y) const {
     for (int k = 0; k < 4; ++k) {
         const Pair a = corner[static_cast<std::size_t>(k)], b = corner[static_cast<std::size_t>((k + 1) % 4)];
         longest = std::max(longest, std::hypot(b.x - a.x, b.y - a.y));
-        if (scene_.has_edge(hit.face, k)) nearest = std::min(nearest, distance_to_segment({x, y}, a, b));
+        if (mesh.has_edge(hit.place.face, k)) nearest = std::min(nearest, distance_to_segment({x, y}, a, b));
     }
     const float half = 0.5f * options_.wire_width;
     return (1 - smooth_step(half - 0.5f, half + 0.5f, nearest)) *

@@ -43,11 +43,18 @@ TracedMaterial::TracedMaterial(const RenderMaterial& material, const Context& ct
     : color_(make_levels(material.color, TexelEncoding::srgb, ctx)),
       normal_(make_levels(material.normal, TexelEncoding::linear, ctx)),
       roughness_(make_levels(material.roughness, TexelEncoding::linear, ctx)),
-      occlusion_(make_levels(material.occlusion, TexelEncoding::linear, ctx)) {}
+      occlusion_(make_levels(material.occlusion, TexelEncoding::linear, ctx)),
+      base_color_(material.base_color),
+      transmission_(material.transmission) {}
 
 Texel TracedMaterial::at(const TexturePlace& place, const Footprint& footprint, Vec3 normal) const {
     Texel out;
-    if (color_) out.color = value(*color_, place, footprint);
+    out.color = base_color_;
+    if (color_) {
+        const Vec3 color = value(*color_, place, footprint);
+        out.color = base_color_ ? multiply(*base_color_, color) : color;
+    }
+    out.transmission = transmission_;
     out.normal = normal_ ? turned(value(*normal_, place, footprint), place, normal) : normal;
     if (roughness_) out.roughness = value(*roughness_, place, footprint).x;
     if (occlusion_) out.occlusion = value(*occlusion_, place, footprint).x;

@@ -10,6 +10,9 @@
 
 namespace coppice {
 
+/// Multiplies the channels of two colours.
+constexpr Vec3 multiply(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
 /// Texture coordinates at a hit, with their gradients in the plane of the face.
 struct TexturePlace {
     float u = 0, v = 0;           ///< [tiles]
@@ -34,6 +37,7 @@ struct Texel {
     Vec3 normal;                     ///< unit, on the side of the given one
     std::optional<float> roughness;  ///< without: matt
     float occlusion = 1;             ///< fraction of the light of the sky that arrives
+    float transmission = 0;          ///< transmitted light, relative to the reflected
 };
 
 /// A material with the levels of its images; refers to them.
@@ -49,6 +53,8 @@ class TracedMaterial {
 
   private:
     std::optional<MipMap> color_, normal_, roughness_, occlusion_;
+    std::optional<Vec3> base_color_;
+    float transmission_;
 };
 
 /// Light that a surface of the given roughness reflects as a dielectric, in addition to its diffuse colour.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,7 +12,8 @@
 #include "coppice/render/render.h"
 #include "coppice/render/trace/camera_internal.h"
 #include "coppice/render/trace/embree_internal.h"
-#include "coppice/render/trace/textured_internal.h"
+#include "coppice/render/trace/traced_copies_internal.h"
+#include "coppice/render/trace/traced_mesh_internal.h"
 
 namespace coppice {
 
@@ -26,9 +28,9 @@ struct Hit {
     float distance = 0;
     std::optional<std::uint32_t> point;  ///< index of the drawn point, if on one
     std::optional<std::uint32_t> node;   ///< of the skeleton, if on its segment or ball
+    std::optional<std::uint32_t> copy;   ///< of a prototype, if on one
     bool on_mesh = false;
-    std::uint32_t face = 0;  ///< of `quads()`, if on the mesh
-    float u = 0, v = 0;      ///< corners 0..3 are at (0,0), (1,0), (1,1), (0,1)
+    FacePlace place;  ///< on the mesh, or on the prototype of the copy
 };
 
 /// The object for rays, moved to the origin and scaled so that the diagonal of its box is 1.
@@ -57,58 +59,45 @@ class TracedScene {
     SketchView local(SketchView view) const;  ///< the view in the coordinates of the scene
     float local_length(double length) const { return static_cast<float>(length * scale_); }
 
-    const Quad& quad(std::uint32_t face) const { return quads_[face]; }
-    bool has_edge(std::uint32_t face, int k) const {
-        return (edges_[face] >> k & 1) != 0;
-    }  ///< corner k to k + 1
-    Vec3 position(std::uint32_t vertex) const { return positions_[vertex]; }
+    const TracedMesh& mesh() const { return mesh_; }
     float deviation(const Hit& hit) const;  ///< NaN where unknown
     float evidence(std::uint32_t node) const { return evidence_[node]; }
     double distance_to_other(const Hit& hit) const;  ///< [m] signed, from the other surface
-    /// Returns the texture coordinates and the material of a hit on the mesh; nullopt without materials.
+    /// Returns the texture coordinates and the material of a hit on the mesh or on a copy; nullopt without
+    /// materials. The materials of copies follow those of the mesh.
     std::optional<TexturePlaces> texture_places(const Hit& hit) const;
+    Vec3 copy_color(std::uint32_t copy) const { return to_linear(copies_->color(copy)); }  ///< linear
     /// Returns the colour that the scene specifies for a vertex or a node, linear; nullopt if it has none.
     std::optional<Vec3> object_color(const Hit& hit) const;
 
   private:
-    void place(const RenderScene& scene, float skeleton_width);
-    void add_faces(const PolygonMesh& mesh, std::span<const std::uint32_t> marked);
-    void add_texture(const RenderScene& scene);
-    void smooth_normals();
+    void place(const RenderScene& scene, float skeleton_width, const Context& ctx);
+    void build_mesh(const RenderScene& scene, bool flat, const Context& ctx);
+    void build_copies(const RenderScene& scene, bool flat, const Context& ctx);
     void collect_frame_points(const RenderScene& scene, float skeleton_width);
-    void attach_mesh(RTCScene scene, std::span<const Quad> quads, const Context& ctx);
+    void collect_frame_balls(const RenderScene& scene);
     void attach_points(RTCScene scene, const RenderScene& of);
     /// Returns the index in the cloud of a drawn point.
     std::size_t drawn_point(std::size_t k) const { return k * cloud_size_ / point_count_; }
-    EmbreeScene build_tubes(const Skeleton& skeleton, float width, const Context& ctx);
+    void attach_tubes(RTCScene scene, const Skeleton& skeleton, float width);
     std::optional<Hit> trace(RTCScene scene, Vec3 origin, Vec3 direction) const;
-    TexturePlace texture_place(const Hit& hit, const std::array<TexturePoint, 4>& corners) const;
-    template <class T>
-    T blend(const Hit& hit, std::span<const T> of_vertices) const;
-    Vec3 lifted(const Hit& hit, float side) const;
+    void smooth(Hit& hit) const;
     Vec3 local(Vec3 p, Vec3d origin) const { return Vec3((Vec3d(p) + (origin - center_)) * scale_); }
 
     Vec3d center_;
     double scale_ = 1;
     Box3 bounds_;
     std::vector<FramePoint> frame_points_;
-    std::vector<Vec3> positions_;
-    std::vector<Vec3> normals_;       ///< per vertex; empty for flat faces
-    std::vector<Quad> quads_;         ///< triangles repeat their last corner; larger faces are fans
-    std::vector<Quad> marked_quads_;  ///< marked faces
-    std::vector<std::array<TexturePoint, 4>>
-        texture_;  ///< of the corners of `quads_`; empty without material
-    std::vector<std::array<TextureBlend, 4>>
-        texture_blends_;                         ///< of the corners of `quads_`; empty without a second set
-    std::vector<std::uint32_t> quad_materials_;  ///< of `quads_`; empty if all have the first material
-    std::vector<std::uint8_t> edges_;
+    TracedMesh mesh_;
+    std::unique_ptr<TracedCopies> copies_;  ///< null if there are none
+    std::uint32_t mesh_material_count_ = 0;
     std::span<const float> deviation_, evidence_;
     const SurfaceTree* distance_to_ = nullptr;
     std::span<const Rgb> point_colors_, node_colors_;
     std::vector<Vec3> vertex_colors_;               ///< linear; empty if there are none
     std::size_t cloud_size_ = 0, point_count_ = 0;  ///< number of all points, and of the drawn ones
     /// Contents of the solid scene, in the order of Embree's ids.
-    enum class GeometryKind : std::uint8_t { mesh, points, tubes };
+    enum class GeometryKind : std::uint8_t { mesh, points, tubes, copies };
     std::vector<GeometryKind> kinds_;
     std::vector<std::vector<std::uint32_t>>
         tube_nodes_;  ///< for each geometry of tubes: nodes of its elements
