@@ -95,6 +95,39 @@ void write_bark(const std::filesystem::path& folder) {
     write("bark_slots_mixed_normals.glb", MeshMethod::quads, false, slots);
 }
 
+/// Writes a torus with copies of a textured square and of a triangle without texture.
+void write_copies(const std::filesystem::path& folder) {
+    Prototype square{"leaf", {}, {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}, 0};
+    square.mesh.positions = {{-0.5f, 0, 0}, {0.5f, 0, 0}, {0.5f, 1, 0}, {-0.5f, 1, 0}};
+    square.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    Prototype triangle{"bud", {}, {}, 1};
+    triangle.mesh.positions = {{-1, 0, 0}, {1, 0, 0}, {0, 2, 0}};
+    triangle.mesh.triangles = {{0, 1, 2}};
+    const std::vector<Prototype> prototypes{square, triangle};
+    const std::vector<MaterialFiles> materials{
+        {.name = "leaf",
+         .color = write_image(folder / "leaf_color.png", {80, 120, 40, 255}),
+         .normal = write_image(folder / "leaf_normal.png", {128, 128, 255, 255}),
+         .base_color = {0.9f, 1, 0.8f},
+         .cut_out = true,
+         .double_sided = true},
+        {.name = "bud", .base_color = {0.4f, 0.3f, 0.1f}}};
+    Instances copies;
+    copies.origin = {100, 200, 300};
+    for (std::uint32_t i = 0; i < 100; ++i) {
+        const auto a = static_cast<float>(i);
+        copies.prototypes.push_back(i % 3 == 0 ? 1 : 0);
+        copies.positions.push_back({3 * std::cos(a), 3 * std::sin(a), 0.1f * a});
+        copies.rotations.push_back({0.6f * std::sin(a), 0.8f * std::sin(a), 0, std::cos(a)});
+        copies.scales.push_back(i % 3 == 0 ? 1 : 0.5f + 0.01f * a);
+        copies.colors.push_back({static_cast<std::uint8_t>(2 * i), 200, 255});
+    }
+    InstancedParts parts{prototypes, materials, &copies};
+    write_mesh(folder / "instanced.glb", torus(8, 1), {.parts = parts});
+    parts.storage = InstanceStorage::merged;
+    write_mesh(folder / "merged_copies.glb", torus(8, 1), {.parts = parts});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -113,5 +146,6 @@ int main(int argc, char** argv) {
     for (const float flat : {1.0f, 0.5f, 0.0f}) motion.add(torus(8, flat).positions);
     motion.finish();
     write_bark(folder);
+    write_copies(folder);
     return 0;
 }

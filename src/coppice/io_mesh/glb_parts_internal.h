@@ -62,7 +62,7 @@ struct GlbVertices {
     std::size_t count() const { return normals.size(); }
 };
 
-/// Contents of a GLB file in addition to those of a surface: its motion.
+/// Contents of a GLB file in addition to those of a surface: its motion, or copies of prototypes.
 class GlbMotionPart {
   public:
     virtual ~GlbMotionPart() = default;
@@ -76,6 +76,10 @@ class GlbMotionPart {
 
 /// Writes a surface, with its motion unless `motion` is null.
 void write_glb(AtomicFile& file, const MeshView& mesh, GlbMotionPart* motion, const Context& ctx);
+
+/// Creates the mesh with one vertex for every place of the texture, divided for tangents if requested; none
+/// without a texture.
+void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMesh>& out, const Context& ctx);
 
 void write_vectors(AtomicFile& file, std::span<const Vec3> vectors, ProgressRange part, const Context& ctx);
 /// Writes all faces as triangles.

@@ -48,6 +48,18 @@ Affine rotation(std::array<double, 4> q) {
     return r;
 }
 
+constexpr std::array<double, 3> kNoShift{0, 0, 0}, kNoScale{1, 1, 1};
+constexpr std::array<double, 4> kNoRotation{0, 0, 0, 1};
+
+/// Returns the map that scales, then rotates, then shifts.
+Affine compose(const std::array<double, 3>& shift, const std::array<double, 4>& turn,
+               const std::array<double, 3>& scale) {
+    Affine out = rotation(turn);
+    for (std::size_t i = 0; i < 3; ++i) out.column[i] *= scale[i];
+    out.column[3] = {shift[0], shift[1], shift[2]};
+    return out;
+}
+
 std::uint32_t read_u32(std::string_view bytes, std::size_t offset) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + offset, sizeof value);
@@ -129,7 +141,7 @@ class GlbParser {
             if (visited_[index]) fail(fmt::format("node {} has two parents or is its own ancestor", index));
             visited_[index] = true;
             const Affine transform = above * local(node);
-            if (const auto mesh = find_index(node, "mesh")) add_mesh(*mesh, transform);
+            if (const auto mesh = find_index(node, "mesh")) add_copies(node, *mesh, transform);
             push(stack, indices(node, "children"), transform);
         }
         if (!texture_.empty() && mesh_.face_count() > 0)
@@ -248,12 +260,46 @@ class GlbParser {
             };
             return {{column(0), column(1), column(2), column(3)}};
         }
-        Affine a = rotation(numbers<4>(node, "rotation").value_or(std::array<double, 4>{0, 0, 0, 1}));
-        const auto scale = numbers<3>(node, "scale").value_or(std::array<double, 3>{1, 1, 1});
-        const auto shift = numbers<3>(node, "translation").value_or(std::array<double, 3>{});
-        for (std::size_t i = 0; i < 3; ++i) a.column[i] *= scale[i];
-        a.column[3] = {shift[0], shift[1], shift[2]};
-        return a;
+        return compose(numbers<3>(node, "translation").value_or(kNoShift),
+                       numbers<4>(node, "rotation").value_or(kNoRotation),
+                       numbers<3>(node, "scale").value_or(kNoScale));
+    }
+
+    /// Adds a mesh, or as many copies of it as EXT_mesh_gpu_instancing specifies.
+    void add_copies(const json& node, std::uint64_t mesh, const Affine& transform) {
+        const json* extensions = find(node, "extensions");
+        const json* instancing =
+            extensions == nullptr ? nullptr : find(*extensions, "EXT_mesh_gpu_instancing");
+        const json* attributes = instancing == nullptr ? nullptr : find(*instancing, "attributes");
+        if (attributes == nullptr) return add_mesh(mesh, transform);
+        std::optional<std::size_t> count;
+        const auto read = [&](const char* name, const char* type, std::size_t components) {
+            const auto accessor = find_index(*attributes, name);
+            if (!accessor) return Elements{};
+            const Elements out = elements(*accessor, type, components);
+            if (count && *count != out.count) fail("the attributes of instances have different lengths");
+            count = out.count;
+            return out;
+        };
+        const Elements shifts = read("TRANSLATION", "VEC3", 3), rotations = read("ROTATION", "VEC4", 4),
+                       scales = read("SCALE", "VEC3", 3);
+        if (!count) return add_mesh(mesh, transform);
+        FileProgress progress(stop_, *count);
+        for (std::size_t i = 0; i < *count; ++i) {
+            progress.at(i);
+            take_from_allowed(1);
+            add_mesh(mesh,
+                     transform * compose(values_at(shifts, i, kNoShift), values_at(rotations, i, kNoRotation),
+                                         values_at(scales, i, kNoScale)));
+        }
+    }
+
+    /// Returns an element, or `fallback` if the accessor is missing.
+    template <std::size_t N>
+    static std::array<double, N> values_at(const Elements& from, std::size_t i,
+                                           std::array<double, N> fallback) {
+        for (std::size_t k = 0; from.data != nullptr && k < N; ++k) fallback[k] = from.number(i, k);
+        return fallback;
     }
 
     // --- geometry ---

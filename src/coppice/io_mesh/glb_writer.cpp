@@ -7,78 +7,14 @@
 #include <utility>
 
 #include "coppice/base/progress.h"
-#include "coppice/io_mesh/glb_parts_internal.h"
+#include "coppice/io_mesh/glb_copies_internal.h"
+#include "coppice/io_mesh/glb_materials_internal.h"
 #include "coppice/io_mesh/material_internal.h"
 
 namespace coppice::io_internal {
 namespace {
 
 using nlohmann::json;
-
-// Bytes of an image, up to a size that a reader could still decode.
-constexpr std::uint64_t kMaxImageBytes = std::uint64_t{256} << 20;
-
-struct GlbImage {
-    std::string bytes;
-    const char* type;
-    std::size_t view = 0;
-};
-
-// Materials with images that are part of the file.
-class GlbMaterials {
-  public:
-    void add(const MaterialFiles& files, GlbLayout& layout) {
-        json material{{"name", files.name}};
-        json& surface = material["pbrMetallicRoughness"];
-        surface["metallicFactor"] = 0.0;
-        surface["baseColorTexture"] = add_image(files, files.color, layout);
-        if (!files.normal.empty()) material["normalTexture"] = add_image(files, files.normal, layout);
-        if (!files.packed.empty()) {
-            surface["metallicRoughnessTexture"] = add_image(files, files.packed, layout);
-            material["occlusionTexture"] = surface["metallicRoughnessTexture"];
-        }
-        materials_.push_back(std::move(material));
-    }
-
-    void describe(json& file) const {
-        if (materials_.empty()) return;
-        json images = json::array(), textures = json::array();
-        for (const GlbImage& image : images_) {
-            textures.push_back({{"sampler", 0}, {"source", images.size()}});
-            images.push_back({{"bufferView", image.view}, {"mimeType", image.type}});
-        }
-        constexpr int kRepeat = 10497, kLinear = 9729, kMipMaps = 9987;
-        file["materials"] = materials_;
-        file["images"] = std::move(images);
-        file["textures"] = std::move(textures);
-        file["samplers"] = {
-            {{"wrapS", kRepeat}, {"wrapT", kRepeat}, {"magFilter", kLinear}, {"minFilter", kMipMaps}}};
-    }
-
-    void write(AtomicFile& file) const {
-        for (const GlbImage& image : images_) {
-            file.write(image.bytes);
-            file.write(std::string((4 - image.bytes.size() % 4) % 4, '\0'));
-        }
-    }
-
-  private:
-    json add_image(const MaterialFiles& files, const std::filesystem::path& path, GlbLayout& layout) {
-        const auto made = files.bytes.find(path);
-        GlbImage image{made != files.bytes.end() ? made->second : read_file(path, kMaxImageBytes),
-                       "image/png"};
-        const bool is_jpeg = image.bytes.starts_with("\xff\xd8");
-        if (is_jpeg) image.type = "image/jpeg";
-        if (!is_jpeg && !image.bytes.starts_with("\x89PNG"))
-            throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
-        image.view = layout.add_bytes(image.bytes.size());
-        images_.push_back(std::move(image));
-        return {{"index", images_.size() - 1}};
-    }
-
-    json materials_ = json::array();
-    std::vector<GlbImage> images_;
-};
 
 // In glTF, v points down in the image.
 void write_texture(AtomicFile& file, std::span<const TexturePoint> places, const Context& ctx) {
@@ -137,8 +73,8 @@ std::string glb_name(std::string name) {
     return "_" + name;
 }
 
-// Creates the mesh with one vertex for every place of the texture, divided for tangents if requested; none
-// without a texture.
+}  // namespace
+
 void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMesh>& out, const Context& ctx) {
     if (for_tangents) {
         const std::vector<TexturePoint> texture = round_texture(given.texture);
@@ -152,6 +88,8 @@ void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMes
         out.emplace(given);
     }
 }
+
+namespace {
 
 // Lays out the attributes of the vertices, in the order in which they are written.
 json describe_attributes(const MeshView& mesh, const std::optional<SplitMesh>& split, bool has_tangents,
@@ -218,7 +156,9 @@ json describe_primitives(json common, std::span<const std::size_t> indices) {
 }  // namespace
 
 void write_glb(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
-    write_glb(file, mesh, nullptr, ctx);
+    std::optional<GlbCopies> copies;
+    if (mesh.parts != nullptr) copies.emplace(*mesh.parts, ctx);
+    write_glb(file, mesh, copies ? &*copies : nullptr, ctx);
 }
 
 void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, const Context& whole) {
@@ -249,7 +189,10 @@ void write_glb(AtomicFile& file, const MeshView& given, GlbMotionPart* motion, c
     GlbMaterials materials;
     for (const MaterialFiles* m : used) materials.add(*m, layout);
     json text = describe_tree(mesh, describe_primitives(std::move(primitive), indices), layout);
-    materials.describe(text);
+    if (!used.empty()) {
+        text["materials"] = json::array();  // in place of the plain one
+        materials.describe(text);
+    }
     if (motion != nullptr) motion->describe(text);
     write_glb_head(file, text.dump(), layout.bytes());
     write_vectors(file, mesh.positions, {0, 0.3f}, ctx);

@@ -68,45 +68,62 @@ void write_mtl(const std::filesystem::path& obj, std::span<const MaterialFiles* 
         if (!image.empty()) text += fmt::format("{} {}\n", word, relative_name(image, path));
     };
     for (const MaterialFiles* material : materials) {
-        text += fmt::format("newmtl {}\nKd 1 1 1\nKs 0 0 0\n", material->name);
+        const Vec3 c = material->base_color;
+        text += fmt::format("newmtl {}\nKd {} {} {}\nKs 0 0 0\n", material->name, c.x, c.y, c.z);
         add("map_Kd", material->color);
+        if (material->cut_out) add("map_d", material->opacity.empty() ? material->color : material->opacity);
         add("norm", material->normal);
         add("map_Pr", material->roughness);
     }
     write_file(path, text);
 }
 
-std::string usda_material(const std::filesystem::path& usda, const MaterialFiles& material) {
+std::string usda_material(const std::filesystem::path& usda, const MaterialFiles& material,
+                          std::string_view parent) {
     std::string inputs, images;
+    const Vec3 c = material.base_color;
+    const std::string prim = fmt::format("{}/{}", parent, material.name);
     const auto add = [&](std::string_view name, const std::filesystem::path& image, std::string_view type,
                          std::string_view output, std::string_view space, std::string_view more) {
         if (image.empty()) return;
-        inputs += fmt::format("            {0} inputs:{1}.connect = </tree/{2}/{1}.outputs:{3}>\n", type,
-                              name, material.name, output);
+        inputs += fmt::format("            {0} inputs:{1}.connect = <{2}/{1}.outputs:{3}>\n", type, name,
+                              prim, output);
         images += fmt::format(
             "        def Shader \"{0}\"\n        {{\n            uniform token info:id = \"UsdUVTexture\"\n"
             "            asset inputs:file = {1}\n            token inputs:sourceColorSpace = \"{2}\"\n"
             "            token inputs:wrapS = \"repeat\"\n            token inputs:wrapT = \"repeat\"\n"
-            "            float2 inputs:st.connect = </tree/{3}/coordinates.outputs:result>\n{4}"
+            "            float2 inputs:st.connect = <{3}/coordinates.outputs:result>\n{4}"
             "            {5} outputs:{6}\n        }}\n",
-            name, to_asset(relative_name(image, usda)), space, material.name, more,
+            name, to_asset(relative_name(image, usda)), space, prim, more,
             output == "rgb" ? "float3" : "float", output);
     };
-    add("diffuseColor", material.color, "color3f", "rgb", "sRGB", "");
+    std::string factor;
+    if (c != Vec3{1, 1, 1})
+        factor = fmt::format("            float4 inputs:scale = ({}, {}, {}, 1)\n", c.x, c.y, c.z);
+    if (material.cut_out) factor += "            float outputs:a\n";
+    add("diffuseColor", material.color, "color3f", "rgb", "sRGB", factor);
+    if (material.color.empty())
+        inputs += fmt::format("            color3f inputs:diffuseColor = ({}, {}, {})\n", c.x, c.y, c.z);
+    if (material.cut_out) {
+        inputs += fmt::format(
+            "            float inputs:opacity.connect = <{}/diffuseColor.outputs:a>\n"
+            "            float inputs:opacityThreshold = 0.5\n",
+            prim);
+    }
     add("normal", material.normal, "normal3f", "rgb", "raw",
         "            float4 inputs:scale = (2, 2, 2, 1)\n            float4 inputs:bias = (-1, -1, -1, 0)\n");
     add("roughness", material.roughness, "float", "r", "raw", "");
     add("occlusion", material.occlusion, "float", "r", "raw", "");
     return fmt::format(
         "    def Material \"{0}\"\n    {{\n"
-        "        token outputs:surface.connect = </tree/{0}/surface.outputs:surface>\n"
+        "        token outputs:surface.connect = <{3}/surface.outputs:surface>\n"
         "        def Shader \"surface\"\n        {{\n"
         "            uniform token info:id = \"UsdPreviewSurface\"\n{1}            token outputs:surface\n"
         "        }}\n        def Shader \"coordinates\"\n        {{\n"
         "            uniform token info:id = \"UsdPrimvarReader_float2\"\n"
         "            string inputs:varname = \"st\"\n            float2 outputs:result\n        }}\n{2}    "
         "}}\n",
-        material.name, inputs, images);
+        material.name, inputs, images, prim);
 }
 
 }  // namespace io_internal

@@ -4,6 +4,8 @@
 #include <map>
 #include <string>
 
+#include "coppice/base/vec.h"
+
 namespace coppice {
 
 /// The images of a material for surfaces with texture coordinates; those without a name are left out. All are
@@ -15,6 +17,12 @@ struct MaterialFiles {
     std::filesystem::path roughness;  ///< grey
     std::filesystem::path occlusion;  ///< grey: 0 = occluded
     std::filesystem::path packed;     ///< occlusion in red, roughness in green, metallic in blue
+    /// Grey: the alpha of the colour, for OBJ; without it, that of the colour.
+    std::filesystem::path opacity = {};
+    /// Linear colour, multiplied with that of the image; the colour of a material without one.
+    Vec3 base_color{1, 1, 1};
+    bool cut_out = false;       ///< parts of the colour with an alpha below one half are holes
+    bool double_sided = false;  ///< the surface is visible from both sides
     /// contents of images that are not in files, by their names; only for GLB, which contains its images
     std::map<std::filesystem::path, std::string> bytes;
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coppice/io_mesh/material.h"
@@ -24,7 +25,8 @@ std::filesystem::path mtl_path(const std::filesystem::path& obj);
 /// Writes the material library of an OBJ file, with images relative to its folder.
 void write_mtl(const std::filesystem::path& obj, std::span<const MaterialFiles* const> materials);
 
-/// Returns the definition of a material in the prim "tree" of a USDA file.
-std::string usda_material(const std::filesystem::path& usda, const MaterialFiles& material);
+/// Returns the definition of a material in a prim of a USDA file.
+std::string usda_material(const std::filesystem::path& usda, const MaterialFiles& material,
+                          std::string_view parent = "/tree");
 
 }  // namespace coppice::io_internal

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -69,6 +70,15 @@ void put_material(Chunk& chunk, const MeshView& mesh, std::size_t f) {
     chunk.put('\n');
 }
 
+/// Begins the group of a face if it is the first of it.
+void put_group(Chunk& chunk, const MeshView& mesh, std::size_t face) {
+    const auto group = std::ranges::lower_bound(mesh.groups, face, {}, &NamedGroup::first_face);
+    if (group == mesh.groups.end() || group->first_face != face) return;
+    const std::string text = fmt::format("g {}\n", group->name);
+    chunk.reserve(text.size());
+    chunk.put(text);
+}
+
 }  // namespace
 
 void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
@@ -92,6 +102,7 @@ void write_obj(AtomicFile& file, const MeshView& mesh, const Context& ctx) {
         chunk.put('\n');
     });
     write_items(file, mesh.face_count, {0.6f, 1}, ctx, [&](std::size_t f, Chunk& chunk) {
+        put_group(chunk, mesh, f);
         if (begins_material(mesh, f)) put_material(chunk, mesh, f);
         const auto corners = mesh.face(f);
         const std::size_t first = mesh.first_corner(f);

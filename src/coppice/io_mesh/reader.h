@@ -18,9 +18,9 @@ namespace coppice {
 /// manifold or consistently oriented, but every index is in range and every coordinate finite. Vertices are
 /// returned as in the file too; only STL, which repeats them for each triangle, and PLY and GLB with texture
 /// coordinates, which repeat them along seams, are welded: equal positions become one vertex. GLB: the
-/// triangles of the default scene, transformed by its nodes and rotated from Y up to Z up. Colours, normals,
-/// lines and points are ignored. The groups of OBJ and GLB are named by object (mesh), group and material as
-/// far as the file specifies them, as in "tree/bark".
+/// triangles of the default scene, transformed by its nodes and rotated from Y up to Z up, with all copies of
+/// EXT_mesh_gpu_instancing. Colours, normals, lines and points are ignored. The groups of OBJ and GLB are
+/// named by object (mesh), group and material as far as the file specifies them, as in "tree/bark".
 ///
 /// Texture coordinates are returned by corner: those of OBJ (vt), the properties s and t, u and v, or
 /// texture_u and texture_v of the vertices of PLY, and TEXCOORD_0 of GLB, with v up in the image. Corners

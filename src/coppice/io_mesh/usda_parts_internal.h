@@ -41,7 +41,7 @@ void put_weight(Chunk& chunk, TextureBlend blend);
 /// Writes the texture coordinates, if there are any.
 void write_texture(AtomicFile& file, const MeshView& mesh, const Context& ctx);
 
-/// Writes everything that follows the attributes of the mesh, with its materials.
+/// Writes everything that follows the attributes of the mesh, with its materials and copies.
 void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision, const Context& ctx);
 
 /// Returns the minimum and the maximum corner of the bounding box.

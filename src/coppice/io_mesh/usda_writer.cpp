@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "coppice/io_mesh/copies_internal.h"
 #include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/usda_parts_internal.h"
 
@@ -102,6 +103,7 @@ void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
     }
     file.write("    }\n");
     for (const MaterialFiles* used : list_used_materials(mesh)) file.write(usda_material(mesh.path, *used));
+    if (mesh.parts != nullptr) write_usda_copies(file, mesh, ctx);
     file.write("}\n");
 }
 

@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "coppice/base/compressed_rows.h"
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
 #include "coppice/io/item_writer.h"
+#include "coppice/io_mesh/instanced_parts.h"
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
@@ -20,6 +22,12 @@
 namespace coppice::io_internal {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(float));
+
+/// Successive faces of an OBJ file.
+struct NamedGroup {
+    std::size_t first_face = 0;  ///< up to that of the next group
+    std::string name;
+};
 
 /// A view of any of the mesh types, without a copy.
 struct MeshView {
@@ -61,6 +69,8 @@ struct MeshView {
     std::span<const TextureBlend> texture_blends;   ///< the second set; one for every corner, or empty
     std::span<const MaterialFiles> materials;       ///< of meshes with texture; may be empty
     std::span<const std::uint32_t> face_materials;  ///< index of the material of each face; empty: 0
+    const InstancedParts* parts = nullptr;          ///< placed copies, for GLB and USDA; may be null
+    std::span<const NamedGroup> groups;             ///< for OBJ; may be empty
     std::filesystem::path path;                     ///< of the file, for names relative to it
     std::span<const Vec3> normals;                  ///< one for every vertex, for OBJ; may be empty
     std::span<const VertexAttribute> attributes;    ///< of the vertices

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "coppice/io_mesh/copies_internal.h"
 #include "coppice/io_mesh/material_internal.h"
 #include "coppice/io_mesh/write_internal.h"
 
@@ -118,22 +119,51 @@ void write_view(const std::filesystem::path& path, MeshView mesh, const MeshWrit
     });
 }
 
+/// Writes a surface and its copies.
+void write_surface(const std::filesystem::path& path, MeshView surface, const MeshWriteOptions& options,
+                   const Context& ctx) {
+    if (options.parts.empty()) return write_view(path, surface, options, ctx);
+    check_parts(options.parts, options.materials);
+    const MeshFormat format = format_for(path, options);
+    if (format == MeshFormat::glb || format == MeshFormat::usda) {
+        surface.parts = &options.parts;
+        return write_view(path, surface, options, ctx);
+    }
+    surface.texture = options.texture;
+    surface.texture_blends = options.texture_blends;
+    surface.attributes = options.attributes;
+    set_materials(surface, options.materials, options.face_materials);
+    const SurfaceWithCopies whole(surface, options.parts, ctx);
+    MeshView view(whole.mesh);
+    view.materials = whole.materials;
+    view.face_materials = whole.face_materials;
+    view.groups = whole.groups;
+    write_view(path, view,
+               {.format = format,
+                .up = options.up,
+                .normals = options.normals,
+                .texture = whole.mesh.texture,
+                .texture_blends = whole.mesh.texture_blends,
+                .attributes = whole.attributes},
+               ctx);
+}
+
 }  // namespace
 }  // namespace io_internal
 
 void write_mesh(const std::filesystem::path& path, const QuadMesh& mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
-    io_internal::write_view(path, io_internal::MeshView(mesh), options, ctx);
+    io_internal::write_surface(path, io_internal::MeshView(mesh), options, ctx);
 }
 
 void write_mesh(const std::filesystem::path& path, const TriMesh& mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
-    io_internal::write_view(path, io_internal::MeshView(mesh), options, ctx);
+    io_internal::write_surface(path, io_internal::MeshView(mesh), options, ctx);
 }
 
 void write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh, const MeshWriteOptions& options,
                 const Context& ctx) {
-    io_internal::write_view(path, io_internal::MeshView(mesh), options, ctx);
+    io_internal::write_surface(path, io_internal::MeshView(mesh), options, ctx);
 }
 
 void write_cage(const std::filesystem::path& path, const QuadMesh& cage, const Context& ctx) {

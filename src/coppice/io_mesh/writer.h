@@ -8,6 +8,7 @@
 #include "coppice/base/context.h"
 #include "coppice/io/file_up.h"
 #include "coppice/io_mesh/format.h"
+#include "coppice/io_mesh/instanced_parts.h"
 #include "coppice/io_mesh/material.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
@@ -38,6 +39,10 @@ struct MeshWriteOptions {
     /// for each material with faces, USDA a subset of the faces (`materialBind`), OBJ `usemtl` before each
     /// run of faces; materials without faces are not written.
     std::span<const std::uint32_t> face_materials;
+    /// Placed copies, such as leaves; may be empty. GLB: a node for each prototype, with
+    /// EXT_mesh_gpu_instancing if they are not merged. USDA: a point instancer. OBJ, PLY and STL: merged
+    /// copies, in OBJ a group for each prototype. PLY and STL have no materials and no colours of copies.
+    InstancedParts parts = {};
 };
 
 /// Writes a surface atomically (`AtomicFile`).
@@ -57,7 +62,8 @@ struct MeshWriteOptions {
 ///
 /// Throws `IoError` if the file cannot be written; `Unsupported` for an unknown extension, for OFF, and for a
 /// mesh that the format cannot represent (GLB: more than 4 GiB; STL: rounding of more than 1e-5 of the size);
-/// `InvalidInput` for a mesh without faces and for coordinates that are not finite; `Cancelled`. Indices must
+/// `InvalidInput` for a mesh without faces, for coordinates that are not finite, and for invalid instances,
+/// materials or names of `parts`; `Cancelled`. Indices must
 /// be in range.
 void write_mesh(const std::filesystem::path& path, const QuadMesh& mesh, const MeshWriteOptions& options = {},
                 const Context& ctx = {});
