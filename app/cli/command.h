@@ -47,6 +47,7 @@ Command render_command();
 Command view_command();
 Command scan_command();
 Command texture_command();
+Command leaves_command();
 Command run_command();
 Command grow_command();
 Command sprout_command();

@@ -234,6 +234,23 @@ const Option* first_of_groups(const GivenOptions& given, std::initializer_list<s
     return found == given.end() ? nullptr : *found;
 }
 
+void copy_given(std::span<const OptionField> from, std::span<const OptionField> to,
+                const GivenOptions& given) {
+    for (std::size_t i = 0; i < to.size(); ++i) {
+        const auto is_same = [&](const Option* option) { return option->field == to[i].field.name; };
+        if (std::ranges::none_of(given, is_same)) continue;
+        std::visit(
+            [&]<class Ref>(const Ref& target) {
+                if constexpr (std::is_same_v<Ref, ChoiceRef>) {
+                    target.set(std::get<ChoiceRef>(from[i].ref).index());
+                } else if constexpr (std::is_pointer_v<Ref>) {
+                    *target = *std::get<Ref>(from[i].ref);
+                }
+            },
+            to[i].ref);
+    }
+}
+
 std::string flag_name(std::string_view field_name) {
     std::string flag = "--" + std::string(field_name);
     std::ranges::replace(flag, '_', '-');

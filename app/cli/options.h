@@ -111,6 +111,11 @@ bool is_given(const GivenOptions& given, std::string_view name);
 /// Returns the first given option that belongs to one of the groups; null if there is none.
 const Option* first_of_groups(const GivenOptions& given, std::initializer_list<std::string_view> groups);
 
+/// Copies the values of the given options from one option struct to another one of the same type, as the
+/// options of a species that the command line changes.
+void copy_given(std::span<const OptionField> from, std::span<const OptionField> to,
+                const GivenOptions& given);
+
 /// Converts errors of the library that the command line causes to UsageError, with a prefix.
 template <class Work>
 auto as_usage(std::string_view prefix, const Work& work) {

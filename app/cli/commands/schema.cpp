@@ -10,6 +10,7 @@
 #include "coppice/extract/cloud/from_cloud.h"
 #include "coppice/extract/mesh/from_mesh.h"
 #include "coppice/extract/plot/plot.h"
+#include "coppice/foliage/placement.h"
 #include "coppice/growth/sprout.h"
 #include "coppice/io_skeleton/reader.h"
 #include "coppice/io_skeleton/writer.h"
@@ -92,6 +93,8 @@ ExitCode schema(Run& run) {
                    {"view", described<ViewOptions>()},
                    {"scan", described<ScanOptions>()},
                    {"bark", described<BarkOptions>()},
+                   {"leaf", described<LeafShape>()},
+                   {"leaves", described<LeafRules>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},
                    {"write_skeleton", described<WriteSkeletonOptions>()},
                    {"scene", scene_schema()},

@@ -60,22 +60,10 @@ BarkOptions make_options(const TextureFlags& flags, const GivenOptions& given) {
     const BarkOptions species = options_of_species(flags.species.string());
     BarkOptions out = species;
     BarkOptions typed = flags.bark;
-    const std::vector<OptionField> to = option_fields(out), from = option_fields(typed);
+    copy_given(option_fields(typed), option_fields(out), given);
     const auto is_typed = [&](std::string_view field) {
         return std::ranges::any_of(given, [&](const Option* option) { return option->field == field; });
     };
-    for (std::size_t i = 0; i < to.size(); ++i) {
-        if (!is_typed(to[i].field.name)) continue;
-        std::visit(
-            [&]<class Ref>(const Ref& target) {
-                if constexpr (std::is_same_v<Ref, ChoiceRef>) {
-                    target.set(std::get<ChoiceRef>(from[i].ref).index());
-                } else if constexpr (std::is_pointer_v<Ref>) {
-                    *target = *std::get<Ref>(from[i].ref);
-                }
-            },
-            to[i].ref);
-    }
     make_texels_square(out, species, is_typed("height"), is_typed("tile_height"));
     return out;
 }
