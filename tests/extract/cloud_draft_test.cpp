@@ -149,6 +149,23 @@ TEST(CloudLaterals, LateralsStartWhereTheirAxesMeet) {
     EXPECT_EQ(std::ranges::count(tree.position, Vec3d(0.03, 0, 1.3)), 0);
 }
 
+TEST(CloudLaterals, ALateralOfOneSegmentKeepsItsDirection) {
+    InitialTree tree = stem();
+    tree.position[1].z = 4;
+    const std::uint32_t fork = tree.add(0, {0, 0, 1.4}, 0.1);
+    tree.parent[1] = fork;
+    const std::uint32_t inside = tree.add(fork, {0.05, 0, 1.05}, 0.02);
+    tree.add(inside, {1, 0, 2}, 0.02);
+    FitSamples samples;
+    sort_parents_first(tree);
+    reattach_laterals(tree, samples, {});
+    const auto tip = std::ranges::find(tree.position, Vec3d(1, 0, 2)) - tree.position.begin();
+    ASSERT_LT(tip, tree.size());
+    const Vec3d start = tree.position[tree.parent[static_cast<std::size_t>(tip)]];
+    EXPECT_DOUBLE_EQ(start.x, 0);
+    EXPECT_NEAR(start.z, 1.0, 0.15);  // at 45 degrees; the place on the stem closest to the tip is at 2
+}
+
 TEST(CloudCenterline, WidensToAWholeTubeButNotToItsNeighbour) {
     PointSet set;
     strew_cone(set, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 600);

@@ -73,19 +73,26 @@ std::uint32_t outer_node(Laterals& l, std::uint32_t lateral, std::uint32_t fork)
     return n;
 }
 
-/// Returns the direction of a lateral over some radii.
-Vec3d compute_direction(const Laterals& l, std::uint32_t n) {
+/// Returns the node from which the axis of a lateral is extrapolated: `outer`, or, if the lateral ends there,
+/// the node before, because a single node has no direction.
+std::uint32_t find_start(const Laterals& l, std::uint32_t outer) {
+    return l.next[outer] == kNoIndex ? l.tree.parent[outer] : outer;
+}
+
+/// Returns the direction of a lateral over some radii from `start`.
+Vec3d compute_direction(const Laterals& l, std::uint32_t start, std::uint32_t outer) {
     const InitialTree& tree = l.tree;
-    std::uint32_t m = n;
+    std::uint32_t m = outer;
     while (l.next[m] != kNoIndex &&
-           distance(tree.position[m], tree.position[n]) < kDirection * tree.radius[n])
+           distance(tree.position[m], tree.position[start]) < kDirection * tree.radius[outer])
         m = l.next[m];
-    return normalized(tree.position[m] - tree.position[n], {});
+    return normalized(tree.position[m] - tree.position[start], {});
 }
 
 /// Returns the start from which the connection to a lateral is short and continues its direction.
-Place best_place(const Laterals& l, std::uint32_t lateral, std::uint32_t fork) {
-    const Vec3d start = l.tree.position[lateral], direction = compute_direction(l, lateral);
+Place best_place(const Laterals& l, std::uint32_t outer, std::uint32_t fork) {
+    const std::uint32_t node = find_start(l, outer);
+    const Vec3d start = l.tree.position[node], direction = compute_direction(l, node, outer);
     Place best;
     visit_parent_branch(l, fork, start, [&](std::uint32_t q) {
         const std::uint32_t parent = l.tree.parent[q];
