@@ -79,19 +79,19 @@ TEST(FromCloud, FindsForksAndTips) {
     EXPECT_NEAR(m.volume, 0.0702, 0.007);
 }
 
-/// Returns a stem with a whorl of four branches, at `points` per square metre.
-PointSet whorl_cloud(double points) {
+/// Returns a stem with a whorl of four branches, at `points` per square metre, from five seeds.
+PointSet whorl_cloud(double points, std::uint64_t first_seed) {
     PointSet set;
     const auto strew = [&](Vec3d a, Vec3d b, double r, std::uint64_t seed) {
         const double area = 2 * 3.14159 * r * distance(a, b);
         strew_cone(set, a, b, r, r, static_cast<int>(points * area), 0.001, false, seed);
     };
-    strew({0, 0, 0}, {0, 0, 2}, 0.08, 21);
+    strew({0, 0, 0}, {0, 0, 2}, 0.08, first_seed);
     // They begin at the surface of the stem, as in a scan.
     for (std::uint64_t k = 0; k < 4; ++k) {
         const double turn = 1.570796 * static_cast<double>(k);
         const Vec3d out{std::cos(turn), std::sin(turn), 0.5};
-        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, k + 22);
+        strew(Vec3d{0, 0, 1.2} + out * 0.08, Vec3d{0, 0, 1.2} + out * 0.6, 0.02, first_seed + 1 + k);
     }
     return set;
 }
@@ -99,15 +99,17 @@ PointSet whorl_cloud(double points) {
 // From a spacing of 7 mm, a third of a branch's radius, to one of 23 mm, above its radius.
 TEST(FromCloud, FindsAWhorlAtAnyDensity) {
     for (const double density : {30'000.0, 8'000.0, 2'500.0}) {
-        const CloudExtraction found = extract_from_cloud(whorl_cloud(density));
-        const SkeletonMeasures m = measure(found.skeleton);
-        EXPECT_EQ(m.trees, 1u) << density;
-        EXPECT_EQ(m.tips, 5u) << density;
-        // 2 m and four times 0.6 sqrt(1.25) from the axis.
-        EXPECT_NEAR(m.length, 2 + 4 * 0.6708, 0.2) << density;
-        for (const Vec3d p :
-             {Vec3d{0.3, 0, 1.35}, Vec3d{0, 0.5, 1.45}, Vec3d{-0.5, 0, 1.45}, Vec3d{0, -0.3, 1.35}})
-            EXPECT_LT(distance_to_axis(found.skeleton, p), 0.012) << density;
+        for (const std::uint64_t seed : {1, 21}) {
+            const CloudExtraction found = extract_from_cloud(whorl_cloud(density, seed));
+            const SkeletonMeasures m = measure(found.skeleton);
+            EXPECT_EQ(m.trees, 1u) << density;
+            EXPECT_EQ(m.tips, 5u) << density << ", seed " << seed;
+            // 2 m and four times 0.6 sqrt(1.25) from the axis.
+            EXPECT_NEAR(m.length, 2 + 4 * 0.6708, 0.2) << density;
+            for (const Vec3d p :
+                 {Vec3d{0.3, 0, 1.35}, Vec3d{0, 0.5, 1.45}, Vec3d{-0.5, 0, 1.45}, Vec3d{0, -0.3, 1.35}})
+                EXPECT_LT(distance_to_axis(found.skeleton, p), 0.012) << density << ", seed " << seed;
+        }
     }
 }
 
@@ -212,8 +214,8 @@ TEST(FromCloud, ExtractsFewTwigsFromNeedles) {
     EXPECT_LT(measure(extract_from_cloud(set).skeleton).length, 25);
 }
 
-PointSet tree_on_ground() {
-    PointSet set = fork_cloud(0.005);
+PointSet tree_on_ground(double noise) {
+    PointSet set = fork_cloud(noise);
     const CounterRandom random(9, 1);
     for (std::uint64_t i = 0; i < 8000; ++i) {
         const double x = random.uniform(3 * i, -2, 2), y = random.uniform(3 * i + 1, -2, 2);
@@ -223,12 +225,14 @@ PointSet tree_on_ground() {
 }
 
 TEST(FromCloud, ExcludesTheGround) {
-    const PointSet set = tree_on_ground();
-    const CloudExtraction found = extract_from_cloud(set);
-    EXPECT_GE(found.cleaning.ground, 8000u);
-    EXPECT_LT(found.cleaning.ground, 8300u);
-    EXPECT_EQ(measure(found.skeleton).tips, 2u);
-    EXPECT_EQ(extract_from_cloud(set, {.ground = GroundRule::none}).cleaning.ground, 0u);
+    for (const double noise : {0.0, 0.005}) {
+        const PointSet set = tree_on_ground(noise);
+        const CloudExtraction found = extract_from_cloud(set);
+        EXPECT_GE(found.cleaning.ground, 8000u);
+        EXPECT_LT(found.cleaning.ground, 8300u);
+        EXPECT_EQ(measure(found.skeleton).tips, 2u) << noise;
+        EXPECT_EQ(extract_from_cloud(set, {.ground = GroundRule::none}).cleaning.ground, 0u);
+    }
     // A tree alone has no ground.
     EXPECT_EQ(extract_from_cloud(fork_cloud()).cleaning.ground, 0u);
 }
@@ -316,7 +320,7 @@ PointSet clusters() {
 }
 
 TEST(FromCloud, RadiiNeverIncreaseTowardsTheTips) {
-    for (const PointSet& set : {fork_cloud(0.004), tree_on_ground(), clusters()}) {
+    for (const PointSet& set : {fork_cloud(0.004), tree_on_ground(0.005), clusters()}) {
         const Skeleton s = extract_from_cloud(set).skeleton;
         for (const NodeId n : nodes(s)) {
             if (!s.is_root(n)) {
@@ -352,7 +356,7 @@ TEST(FromCloud, DoesNotExtractThickBranchesFromClusters) {
 }
 
 TEST(FromCloud, IsBitIdenticalForAnyNumberOfThreads) {
-    const PointSet set = tree_on_ground();
+    const PointSet set = tree_on_ground(0.005);
     const CloudExtraction one = extract_from_cloud(set, {}, {.threads = 1});
     for (const unsigned threads : {2u, 7u}) {
         const CloudExtraction more = extract_from_cloud(set, {}, {.threads = threads});
@@ -430,7 +434,7 @@ TEST(FromCloud, StopsWhenCancelledAndReportsProgress) {
 // Requests cancellation at each progress report from the first to the last but one; uses counts of reports
 // instead of a clock.
 TEST(FromCloud, StopsBeforeTheNextProgressReport) {
-    const PointSet set = whorl_cloud(5'000);
+    const PointSet set = whorl_cloud(5'000, 21);
     int all = 0;
     extract_from_cloud(set, {}, {.progress = [&](float) { ++all; }});
     ASSERT_GT(all, 8);

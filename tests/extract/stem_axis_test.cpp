@@ -54,6 +54,25 @@ TEST(StemAxis, FollowsABendOfTheStem) {
     }
 }
 
+TEST(StemAxis, SectionsAreAcrossALimbThatContinuesTheStem) {
+    for (int k = 0; k < 8; ++k) {
+        const double turn = 0.7 * k;
+        const Vec3d out{0.6 * std::cos(turn), 0.6 * std::sin(turn), 0.8};
+        PointSet set;
+        strew_cone(set, {0, 0, 0}, {0, 0, 2}, 0.1, 0.08, 4000, 0, false, 1);
+        strew_cone(set, {0, 0, 2}, Vec3d{0, 0, 2} + out, 0.06, 0.05, 1400, 0, false, 2);
+        strew_cone(set, {0, 0, 2}, Vec3d{-out.x, -out.y, 2.8}, 0.06, 0.05, 1400, 0, false, 3);
+        const auto axes = find_axes(set);
+        ASSERT_EQ(axes.size(), 1u);
+        for (std::size_t i = 0; i < axes[0].position.size(); ++i) {
+            const Vec3d p = axes[0].position[i];
+            if (p.z < 2.3) continue;
+            EXPECT_NEAR(std::hypot(p.x, p.y), 0.75 * (p.z - 2), 0.02) << k << ": " << p.z;
+            EXPECT_NEAR(axes[0].radius[i], 0.06 - 0.0125 * (p.z - 2), 0.005) << k << ": " << p.z;
+        }
+    }
+}
+
 TEST(StemAxis, FindsOneAxisPerStemOnTheGround) {
     PointSet set;
     add_stem(set, {0, 0, 0}, 0.15, 20000, 1);

@@ -23,6 +23,9 @@ constexpr double kHiddenSteps = 3;  // [m], [step] maximum length without sectio
 constexpr double kThin = 0.004;     // [m] edge of the squares in which one point is kept
 constexpr double kMaxGrowth = 1.5;  // [radius of the guess] maximum radius of a section
 constexpr double kUpward = 0.2;     // weight of a section that is thicker than those below it
+constexpr int kCuts = 3;            // maximum number of cuts for a section
+constexpr double kAcross = 0.995;   // [cos] minimum alignment of the axis and the direction of a cut
+constexpr double kUpright = 0.3;    // [cos] minimum alignment of a stem and the vertical
 constexpr double kChance = 0.01;    // probability of a false section in uniformly distributed points
 
 /// Returns the minimum contrast of a circle, from the number of distinct circles of this thickness in the
@@ -78,6 +81,25 @@ std::optional<StemSection> cut(const HeightOrder& points, const Guess& guess, do
     StemSection section{guess.center + u * c.x + v * c.y, 0, c};
     section.height = section.center.z - options.foot;
     section.circle.radius = outline_radius(plane, c, options.noise);
+    return section;
+}
+
+/// Measures the section at a guess, in a thicker slab if there are few points. A plane that is oblique to the
+/// axis cuts an ellipse, and circles are found on its ends: cuts again until the axis from the section before
+/// is perpendicular to the plane.
+std::optional<StemSection> cut_across(const HeightOrder& points, Guess guess, const StemSection* before,
+                                      const TraceOptions& options) {
+    std::optional<StemSection> section;
+    for (int pass = 0; pass < kCuts; ++pass) {
+        section = cut(points, guess, kSlab, options);
+        if (!section) section = cut(points, guess, 2.5 * kSlab, options);
+        if (!section || before == nullptr) break;
+        const Vec3d way = section->center - before->center;
+        const Vec3d along = normalized(way.z < 0 ? -1.0 * way : way, guess.direction);
+        if (along.z <= kUpright || dot(along, guess.direction) >= kAcross) break;
+        guess.direction = along;
+        guess.center = section->center;
+    }
     return section;
 }
 
@@ -178,8 +200,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
         for (double z = way < 0 ? start : start + step; z > options.foot && z < options.top;
              z += way * step) {
             guess.center = guess.center + guess.direction * ((z - guess.center.z) / guess.direction.z);
-            auto section = cut(points, guess, kSlab, options);
-            if (!section) section = cut(points, guess, 2.5 * kSlab, options);
+            auto section = cut_across(points, guess, found.empty() ? nullptr : &found.back(), options);
             if (section && section->radius() > guess.max_radius) section.reset();
             if (!section) {
                 hidden += step;
@@ -194,7 +215,7 @@ std::vector<StemSection> trace_stem(const HeightOrder& points, const StemTrack& 
             Vec3d along = found.back().center - found[found.size() - 1 - back].center;
             if (back >= 2) {
                 along = normalized(along * way);
-                if (along.z > 0.3) guess.direction = normalized(lerp(guess.direction, along, 0.6));
+                if (along.z > kUpright) guess.direction = normalized(lerp(guess.direction, along, 0.6));
             }
             guess.center = section->center;
             const bool thicker = section->radius() > guess.radius;
