@@ -3,22 +3,34 @@
 #include <memory>
 
 #include "command.h"
+#include "coppice/base/box.h"
 #include "coppice/base/quote.h"
 #include "coppice/foliage/leaf_species.h"
 #include "coppice/io_mesh/writer.h"
 #include "coppice/options/spelling.h"
+#include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/render/colors.h"
+#include "coppice/render/render.h"
 #include "files.h"
 #include "options.h"
+#include "pictures.h"
 #include "streams.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
 
 struct LeavesFlags {
-    std::filesystem::path skeleton, species, output;
+    std::filesystem::path skeleton, species, image;
+    std::vector<std::filesystem::path> outputs;
     int models = 3;
     LeafShape shape;
     LeafRules rules;
+    MeshOptions mesh = options_of_written_surface();
+    MaterialPrefixes materials;
+    InstanceStorage storage = InstanceStorage::instanced;
+    MeshWriteOptions write;
+    RenderOptions render;
     ReadSkeletonOptions read;
 };
 
@@ -59,49 +71,113 @@ LeafSpecies make_species(const LeavesFlags& flags, const GivenOptions& given) {
     return species;
 }
 
-/// Returns one mesh of all leaves with its texture coordinates.
-std::pair<TriMesh, std::vector<TexturePoint>> merge(const std::vector<LeafModel>& models,
-                                                    const Instances& leaves) {
-    std::pair<TriMesh, std::vector<TexturePoint>> out;
-    auto& [mesh, texture] = out;
-    mesh.origin = leaves.origin;
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-        const Prototype& leaf = models[leaves.prototypes[i]].prototype;
-        const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-        for (const Vec3 p : leaf.mesh.positions)
-            mesh.positions.push_back(leaves.positions[i] + rotate(leaves.rotations[i], leaves.scales[i] * p));
-        for (const Triangle& t : leaf.mesh.triangles)
-            mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-        texture.insert(texture.end(), leaf.texture.begin(), leaf.texture.end());
+/// Divides the colours of the leaves by their maximum in each channel, which becomes the colour of the
+/// material, so that formats without colours of copies have a similar one.
+Vec3 move_to_material(std::vector<Rgb>& colors) {
+    constexpr float kMin = 1e-4f;
+    Box3 range{{kMin, kMin, kMin}, {kMin, kMin, kMin}};
+    for (const Rgb& color : colors) range.extend(to_linear(color));
+    for (Rgb& color : colors) {
+        const Vec3 c = to_linear(color);
+        color = to_srgb(Vec3{c.x / range.high.x, c.y / range.high.y, c.z / range.high.z});
     }
+    return range.high;
+}
+
+/// The leaves of a tree as files and pictures contain them.
+struct PlacedLeaves {
+    std::vector<Prototype> prototypes;
+    Foliage foliage;
+    MaterialFiles material{.name = "leaf", .double_sided = true};
+};
+
+PlacedLeaves make_placed_leaves(Run& run, const LeafSpecies& species, int count, const Skeleton& skeleton) {
+    PlacedLeaves out;
+    const std::vector<LeafModel> models =
+        run.stage("models", [&](const Context&) { return make_leaves(species.shape, count); });
+    out.foliage = run.stage(
+        "leaves", [&](const Context& ctx) { return place_leaves(skeleton, models, species.rules, ctx); });
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        out.prototypes.push_back(models[i].prototype);
+        out.prototypes.back().name = fmt::format("leaf_{}", i + 1);
+    }
+    out.material.base_color = move_to_material(out.foliage.instances.colors);
     return out;
 }
 
-ExitCode make_leaves_of_tree(Run& run, const LeavesFlags& flags, const GivenOptions& given) {
-    if (flags.skeleton.empty()) return list_species(run);
-    if (flags.output.empty())
-        throw UsageError("name the leaves: coppice leaves SKELETON --species oak -o MESH");
+/// Writes the image of the tree.
+void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
+    constexpr float kTransmission = 0.45f;  // of a leaf relative to its reflection [Jacquemoud1990]
+    PolygonMesh mesh = to_polygons(wood);
+    std::vector<RenderMaterial> bark;
+    if (!flags.materials.bark.empty()) {
+        mesh.texture = Buffer<TexturePoint>(wood.texture->points.begin(), wood.texture->points.end());
+        for (const auto& prefix : {flags.materials.bark, flags.materials.twig, flags.materials.cut})
+            bark.push_back(prefix.empty() ? RenderMaterial{} : load_material(run, prefix));
+    }
+    std::vector<std::uint32_t> slots = wood.slots;
+    if (!bark.empty() && slots.empty()) slots.assign(mesh.face_count(), 0);
+    const RenderMaterial leaf{.base_color = leaves.material.base_color, .transmission = kTransmission};
+    const RenderScene scene{.mesh = &mesh,
+                            .face_materials = slots,
+                            .materials = bark,
+                            .instances = &leaves.foliage.instances,
+                            .prototypes = leaves.prototypes,
+                            .prototype_materials = {&leaf, 1}};
+    const Image image =
+        run.stage("render", [&](const Context& ctx) { return render(scene, flags.render, ctx); });
+    run.stage("write image", [&](const Context&) { write_picture(flags.image, image); });
+}
+
+void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
+    MeshWriteOptions write = flags.write;
+    write.materials = find_materials(flags.materials);
+    write.parts = {leaves.prototypes, {&leaves.material, 1}, &leaves.foliage.instances, flags.storage};
+    run.stage("write", [&](const Context& ctx) {
+        for (const auto& output : flags.outputs) write_surface(output, wood, write, ctx);
+    });
+}
+
+void check_flags(const LeavesFlags& flags) {
+    if (flags.outputs.empty() && flags.image.empty())
+        throw UsageError("name the tree with leaves: coppice leaves SKELETON --species oak -o MESH");
     if (flags.species.empty())
         throw UsageError("name the species, as --species oak; coppice leaves lists all");
-    check_mesh_output(flags.output);
+    for (const auto& output : flags.outputs) check_mesh_output(output);
+    check_mesh_write_options(flags.write, flags.outputs);
+    check_picture_output(flags.image);
+    check_materials(flags.materials);
+}
+
+ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
+    if (flags.skeleton.empty()) return list_species(run);
+    check_flags(flags);
     const LeafSpecies species = make_species(flags, given);
+    MeshOptions& mesh = flags.mesh;
+    std::string moved;
+    if (!flags.materials.bark.empty()) {
+        mesh.texture.coordinates = TextureCoordinates::bark;
+        mesh.slots = make_slots(flags.materials, mesh.slots);
+        moved = use_tile_of_image(run, given, find_materials(flags.materials).front().color, mesh.texture);
+    }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
-    const std::vector<LeafModel> models =
-        run.stage("models", [&](const Context&) { return make_leaves(species.shape, flags.models); });
-    const Foliage foliage = run.stage("leaves", [&](const Context& ctx) {
-        return place_leaves(file.skeleton, models, species.rules, ctx);
-    });
-    visit_figures(foliage.report, [&](const char* name, auto value) { run.counts()[name] = value; });
-    if (foliage.instances.empty())
-        throw InvalidInput(fmt::format("{} has no leaves in {}; change season, max_radius or min_order",
-                                       flags.skeleton.string(), name_of(species.rules.season)));
-    run.stage("write", [&](const Context& ctx) {
-        const auto [mesh, texture] = merge(models, foliage.instances);
-        write_mesh(flags.output, mesh, {.texture = texture}, ctx);
-    });
-    run.finish(fmt::format("{}: {} leaves of {:.3g} m2, leaf area index {:.3g}, {} removed in wood",
-                           flags.output.string(), grouped(foliage.report.leaves), foliage.report.leaf_area,
-                           foliage.report.leaf_area_index, grouped(foliage.report.inside_wood)));
+    const PlacedLeaves leaves = make_placed_leaves(run, species, flags.models, file.skeleton);
+    const FoliageReport& report = leaves.foliage.report;
+    visit_figures(report, [&](const char* name, auto value) { run.counts()[name] = value; });
+    if (report.leaves == 0) {
+        run.warn(fmt::format("the tree has no leaves in {}; change --season, --max-radius or --min-order",
+                             name_of(species.rules.season)));
+    }
+    const MeshResult wood =
+        run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, mesh, ctx); });
+    run.add_stages("mesh: ", wood.stages);
+    if (!flags.outputs.empty()) write_tree(run, flags, wood, leaves);
+    if (!flags.image.empty()) write_image(run, flags, wood, leaves);
+    const Verdict verdict = judge(run, wood, file.skeleton, mesh.control);
+    run.finish(fmt::format(
+        "{}: {} leaves of {:.3g} m2 on {} shoots, leaf area index {:.3g}, {} removed in wood; {}{}{}",
+        flags.skeleton.string(), grouped(report.leaves), report.leaf_area, grouped(report.shoots),
+        report.leaf_area_index, grouped(report.inside_wood), count_surface(run, wood), verdict.text, moved));
     return kDone;
 }
 
@@ -113,10 +189,15 @@ Command leaves_command() {
     options.file("skeleton", "SKELETON", flags->skeleton,
                  "Skeleton to which leaves are added; without it, all species are listed.");
     options.file("--species", "SPECIES", flags->species, "Species of the leaves, as oak or pine.");
-    options.output("-o,--output", "MESH", flags->output,
-                   "Mesh of all leaves to write (.obj, .ply, .glb, .usda, .stl).");
+    options.outputs("-o,--output", "MESH", flags->outputs,
+                    "Tree with its leaves to write (.glb, .usda, .obj, .ply, .stl); may be repeated.");
+    options.output("--image", "PNG", flags->image, "Image of the tree with its leaves to write (.png).");
     options.may_replace("--output", "species");  // not a file
     options.value({{"models", "Number of different leaves.", Unit::none, 1, 1000}, &flags->models});
+    options.value({{"instances",
+                    "Storage of leaves: instanced once with their places (.glb, .usda), or merged meshes for "
+                    "programs that do not read instances."},
+                   choice_of(flags->storage)});
     options.fields(flags->rules, "Places; the defaults are replaced by those of the species",
                    {.names = {{"internode", "--leaf-internode"},
                               {"angle", "--petiole-angle"},
@@ -126,9 +207,13 @@ Command leaves_command() {
                                           "size", "seed"}});
     options.fields(flags->shape, "Shape of a leaf; the defaults are replaced by those of the species",
                    {.prefix = "leaf", .common = MemberNames{"length", "width", "rows"}});
+    options.fields(flags->mesh, "Surface", surface_flag_names(MemberNames{"levels"}));
+    add_material_options(options, flags->materials);
+    options.fields(flags->render, "Picture", {.common = MemberNames{}});
+    add_mesh_write_options(options, flags->write);
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});
-    return {"leaves", "Add leaves to the shoots of a skeleton.", options,
-            [flags](Run& run, const GivenOptions& given) { return make_leaves_of_tree(run, *flags, given); }};
+    return {"leaves", "Make the surface of a skeleton with leaves on its shoots.", options,
+            [flags](Run& run, const GivenOptions& given) { return add_leaves(run, *flags, given); }};
 }
 
 }  // namespace coppice::cli
