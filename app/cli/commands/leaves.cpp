@@ -198,15 +198,15 @@ Command leaves_command() {
                     "Storage of leaves: instanced once with their places (.glb, .usda), or merged meshes for "
                     "programs that do not read instances."},
                    choice_of(flags->storage)});
-    options.fields(flags->rules, "Places; the defaults are replaced by those of the species",
-                   {.names = {{"internode", "--leaf-internode"},
-                              {"angle", "--petiole-angle"},
-                              {"size", "--leaf-size"},
-                              {"density", "--leaf-density"}},
-                    .common = MemberNames{"season", "max_radius", "shoot_length", "internode", "density",
-                                          "size", "seed"}});
+    options.fields(
+        flags->rules, "Places; the defaults are replaced by those of the species",
+        {.names = {{"internode", "--leaf-internode"},
+                   {"angle", "--petiole-angle"},
+                   {"size", "--leaf-size"},
+                   {"density", "--leaf-density"}},
+         .common = MemberNames{"season", "max_radius", "shoot_length", "density", "size", "seed"}});
     options.fields(flags->shape, "Shape of a leaf; the defaults are replaced by those of the species",
-                   {.prefix = "leaf", .common = MemberNames{"length", "width", "rows"}});
+                   {.prefix = "leaf", .common = MemberNames{}});
     options.fields(flags->mesh, "Surface", surface_flag_names(MemberNames{"levels"}));
     add_material_options(options, flags->materials);
     options.fields(flags->render, "Picture", {.common = MemberNames{}});
