@@ -294,9 +294,11 @@ Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, cons
     axes.update({{"tips", verdict->axes.tips}, {"tips_short", verdict->axes.short_tips}});
     for (const std::string& fault : find_faults(verdict->axes)) run.warn(fault);
     if (verdict->crossings > 0) {
-        run.warn(fmt::format("{} of quads still intersect; {}", counted(verdict->crossings, "pair"),
-                             is_cage(result) ? "a cage is not repaired: use --levels 1 or more, or --faces"
-                                             : "coppice check lists the places"));
+        run.warn(fmt::format(
+            "{} of quads still intersect; {}", counted(verdict->crossings, "pair"),
+            is_cage(result)
+                ? "a cage is not repaired: use --levels 1 or more, or --faces without --tube-sides equal"
+                : "coppice check lists the places"));
     }
     return out;
 }
