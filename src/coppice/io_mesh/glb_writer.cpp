@@ -121,8 +121,9 @@ std::vector<FaceGroup> list_groups(const MeshView& mesh, const CompressedRows<st
     std::vector<FaceGroup> out;
     for (std::size_t m = 0; m < by_material.size(); ++m) {
         if (by_material[m].empty()) continue;
-        FaceGroup& group = out.emplace_back(by_material[m]);
+        FaceGroup group{by_material[m]};
         for (const std::uint32_t f : group.faces) group.corners += 3 * (mesh.face(f).size() - 2);
+        out.push_back(group);
     }
     return out;
 }
