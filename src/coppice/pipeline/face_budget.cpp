@@ -168,6 +168,7 @@ class RadiusPlanner {
     FaceBudget with(int levels, float chord_error) const {
         FaceBudget out = base_;
         out.faces = faces_with(levels, chord_error);
+        out.options.tube_sides = TubeSides::by_radius;
         out.options.chord_error = chord_error;
         out.options.levels = levels;
         return out;
