@@ -76,8 +76,7 @@ struct MergedInstances {
     Buffer<TexturePoint> texture;                ///< one per corner of the faces
     std::vector<std::uint32_t> materials;        ///< one per face, as in the prototypes
     Buffer<std::array<std::uint8_t, 3>> colors;  ///< one per vertex: sRGB of the copy
-    std::vector<std::size_t> first_face;         ///< the faces of prototype p are first_face[p] ..
-                                                 ///< first_face[p + 1]
+    std::vector<std::size_t> first_face;         ///< of each prototype, and the number of faces
 };
 
 /// Returns one mesh of all copies. Prototypes without texture coordinates receive (0, 0). The instances must

@@ -113,9 +113,9 @@ void list_fields(RenderOptions& o, FieldList& list);
 /// cloud, how far outside the other surface it is, as in figure 10 of [Zhu2015]; it requires one search for
 /// each sample, or point. The result does not depend on the number of threads; the time is that of building a
 /// tree over the faces and copies (about n log n) plus that of up to three rays per sample. Copies share the
-/// tree of their prototype: 500,000 of them take about 70 MiB. Throws InvalidInput for an empty scene, options
-/// out of range, more than 128 million pixels, positions that are not finite, invalid instances, or a look_at
-/// behind the camera; Cancelled if stopped.
+/// tree of their prototype: 500,000 of them take about 70 MiB. Throws InvalidInput for an empty scene,
+/// options out of range, more than 128 million pixels, positions that are not finite, invalid instances, or a
+/// look_at behind the camera; Cancelled if stopped.
 Image render(const RenderScene& scene, const RenderOptions& options = {}, const Context& ctx = {});
 
 }  // namespace coppice
