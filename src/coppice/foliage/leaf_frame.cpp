@@ -97,9 +97,9 @@ LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint3
             .up = normalized(up * std::cos(roll) + cross(along, up) * std::sin(roll))};
 }
 
-CopyRotation make_rotation(const LeafFrame& frame) {
+Quaternion make_rotation(const LeafFrame& frame) {
     const Vec3 x = cross(frame.along, frame.up), y = frame.along, z = frame.up;
-    CopyRotation r;
+    Quaternion r;
     const float trace = x.x + y.y + z.z;
     if (trace > 0) {
         r = {y.z - z.y, z.x - x.z, x.y - y.x, 1 + trace};

@@ -32,11 +32,8 @@ struct LeafFrame {
 LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint32_t node, std::uint32_t index,
                      float start, float opening, const LeafDraws& draws);
 
-/// The rotation of a copy.
-using CopyRotation = decltype(Instances::rotations)::value_type;
-
 /// Returns the rotation from the frame of a prototype.
-CopyRotation make_rotation(const LeafFrame& frame);
+Quaternion make_rotation(const LeafFrame& frame);
 
 /// The effects of the season.
 struct SeasonState {

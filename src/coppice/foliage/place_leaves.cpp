@@ -7,11 +7,11 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
-#include "coppice/foliage/crown_area_internal.h"
 #include "coppice/foliage/leaf_frame_internal.h"
 #include "coppice/foliage/placement.h"
 #include "coppice/foliage/wood_internal.h"
 #include "coppice/skeleton/segment_cone.h"
+#include "coppice/spatial/planar_hull.h"
 
 namespace coppice {
 namespace {
@@ -24,8 +24,8 @@ struct ShootResult {
     std::size_t inside_wood = 0;
     std::size_t floating = 0;
     double area = 0;
-    double inclination = 0;    ///< sum
-    std::vector<Point2> hull;  ///< seen from above
+    double inclination = 0;   ///< sum
+    std::vector<Vec3d> hull;  ///< corners seen from above
 };
 
 /// The part of a model that placement uses.
@@ -123,7 +123,7 @@ class Placer {
                 place_leaf({places[node], node, k, near}, of_shoot, draw_leaf(key, node * per_node + k),
                            shoot.first + result.leaves, result);
         }
-        keep_hull(result.hull);
+        result.hull = compute_planar_hull(std::move(result.hull));
     }
 
     /// Returns a box around all leaves of a number of nodes.
@@ -153,7 +153,7 @@ class Placer {
         constexpr float kTurn = 6.2831853f;
         const LeafFrame frame = make_frame(place, rules_, leaf.node, leaf.index, kTurn * of_shoot.uniform[0],
                                            season.angle, draws);
-        const CopyRotation rotation = make_rotation(frame);
+        const Quaternion rotation = make_rotation(frame);
         const float scale = rules_.size * season.size *
                             (1 + rules_.size_spread * (2 * draws.uniform[1] - 1)) *
                             (1 + (rules_.base_size - 1) * place.from_tip);
@@ -178,7 +178,7 @@ class Placer {
         result.floating += floats(place, frame.attachment) ? 1 : 0;
         result.area += double{scale} * double{scale} * models_[model].area;
         result.inclination += std::acos(std::clamp(double{frame.up.z}, -1.0, 1.0));
-        for (const Vec3 p : {frame.attachment, frame.attachment + tip}) result.hull.push_back({p.x, p.y});
+        for (const Vec3 p : {frame.attachment, frame.attachment + tip}) result.hull.emplace_back(p);
     }
 
     /// Returns whether a place is farther from the bark of its segment than by rounding.
@@ -199,7 +199,7 @@ class Placer {
 
     FoliageReport make_report() {
         FoliageReport out{.shoots = table_.shoots.size(), .thick_tips = table_.thick_tips};
-        std::vector<std::vector<Point2>> crowns(skeleton_.tree_count());
+        std::vector<std::vector<Vec3d>> crowns(skeleton_.tree_count());
         for (std::size_t i = 0; i < results_.size(); ++i) {
             const ShootResult& r = results_[i];
             out.leaves += r.leaves;
@@ -207,13 +207,11 @@ class Placer {
             out.floating += r.floating;
             out.leaf_area += r.area;
             out.mean_inclination += r.inclination;
-            std::vector<Point2>& crown = crowns[table_.table.branches[table_.shoots[i].branch].tree];
+            std::vector<Vec3d>& crown = crowns[table_.table.branches[table_.shoots[i].branch].tree];
             crown.insert(crown.end(), r.hull.begin(), r.hull.end());
         }
-        for (std::vector<Point2>& crown : crowns) {
-            keep_hull(crown);
-            out.crown_area += compute_area(crown);
-        }
+        for (std::vector<Vec3d>& crown : crowns)
+            out.crown_area += compute_planar_area(compute_planar_hull(std::move(crown)));
         if (out.crown_area > 0) out.leaf_area_index = out.leaf_area / out.crown_area;
         if (out.leaves > 0) out.mean_inclination /= static_cast<double>(out.leaves);
         return out;

@@ -5,6 +5,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/frame.h"
+#include "coppice/base/median.h"
 #include "coppice/foliage/shoots_internal.h"
 
 namespace coppice::foliage_internal {
@@ -18,9 +19,7 @@ float find_max_radius(const Skeleton& s, const LeafRules& rules) {
     for (const NodeId n : nodes(s)) {
         if (s.is_tip(n)) tips.push_back(s.radius(n));
     }
-    const auto middle = tips.begin() + static_cast<std::ptrdiff_t>(tips.size() / 2);
-    std::nth_element(tips.begin(), middle, tips.end());
-    return 2 * *middle;
+    return 2 * median_in_place(tips);
 }
 
 /// Returns the nodes of a branch from its tip to its first node.

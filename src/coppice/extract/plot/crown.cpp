@@ -10,6 +10,7 @@
 #include "coppice/extract/stem/stem_form_internal.h"
 #include "coppice/measure/convex_hull.h"
 #include "coppice/mesh/shape.h"
+#include "coppice/spatial/planar_hull.h"
 
 namespace coppice {
 namespace {
@@ -40,36 +41,15 @@ double crown_base(const Skeleton& s, std::span<const NodeId> axis, std::span<con
     return form.height;
 }
 
-/// Returns twice the signed area of the triangle, positive for a left turn.
-double turn(Vec3d a, Vec3d b, Vec3d c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
-
 double distance_seen_from_above(Vec3d a, Vec3d b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
-/// Returns the convex hull in plan view by Andrew's monotone chain: the lower half, then the upper half
-/// backwards.
+/// Returns the convex hull in plan view; empty if it has no area.
 std::vector<Vec3d> compute_outline(std::span<const Vec3> points) {
     std::vector<Vec3d> plan;
     for (const Vec3 p : points) plan.emplace_back(p);
-    std::ranges::sort(plan, [](Vec3d a, Vec3d b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    std::vector<Vec3d> hull;
-    if (plan.size() < 3) return hull;
-    const auto add = [&](Vec3d p, std::size_t first) {
-        while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-        hull.push_back(p);
-    };
-    for (const Vec3d p : plan) add(p, 0);
-    const std::size_t lower = hull.size() - 1;
-    for (auto p = plan.rbegin() + 1; p != plan.rend(); ++p) add(*p, lower);
-    hull.pop_back();  // same as the first one
+    std::vector<Vec3d> hull = compute_planar_hull(std::move(plan));
     if (hull.size() < 3) hull.clear();
     return hull;
-}
-
-double compute_area(std::span<const Vec3d> outline) {
-    double twice = 0;
-    for (std::size_t i = 1; i + 1 < outline.size(); ++i)
-        twice += turn(outline[0], outline[i], outline[i + 1]);
-    return 0.5 * twice;
 }
 
 /// Returns the maximum distance of two corners by rotating calipers: an edge and the corner farthest from it.
@@ -84,7 +64,7 @@ double max_width(std::span<const Vec3d> outline) {
         };
         measure(b);
         measure(outline[far]);
-        while (turn(a, b, outline[after(far)]) > turn(a, b, outline[far])) {
+        while (turn_in_plan(a, b, outline[after(far)]) > turn_in_plan(a, b, outline[far])) {
             far = after(far);
             measure(outline[far]);
         }
@@ -113,7 +93,7 @@ Crown measure_crown(const PointSet& points, double above, const Context& ctx) {
     for (const Vec3 p : points.positions)
         if (points.origin.z + double{p.z} >= above) part.push_back(p);
     Crown out{.outline = compute_outline(part), .hull = convex_hull(part, ctx)};
-    out.area = compute_area(out.outline);
+    out.area = compute_planar_area(out.outline);
     out.max_width = max_width(out.outline);
     for (Vec3d& corner : out.outline)
         corner = {points.origin.x + corner.x, points.origin.y + corner.y, above};
