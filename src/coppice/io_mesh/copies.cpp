@@ -155,9 +155,8 @@ void SurfaceWithCopies::add_texture(const MeshView& surface, const MergedInstanc
 
 void SurfaceWithCopies::add_materials(const MeshView& surface, const MergedInstances& merged,
                                       const InstancedParts& parts) {
-    constexpr Vec3 kPlain{0.32f, 0.22f, 0.15f};  // as in GLB
     materials.assign(surface.materials.begin(), surface.materials.end());
-    if (materials.empty()) materials.push_back({.base_color = kPlain});
+    if (materials.empty()) materials.push_back({.base_color = Vec3(kPlainColor)});
     const auto first = static_cast<std::uint32_t>(materials.size());
     materials.insert(materials.end(), parts.materials.begin(), parts.materials.end());
     face_materials.assign(surface.face_materials.begin(), surface.face_materials.end());

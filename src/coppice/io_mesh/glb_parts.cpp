@@ -43,10 +43,11 @@ json describe_tree(const MeshView& mesh, json primitives, GlbLayout& layout) {
     json node{{"name", "tree"}, {"mesh", 0}};
     if (mesh.has_origin()) node["translation"] = to_json_array(y_up(mesh.origin));
     for (json& primitive : primitives) primitive["mode"] = kTriangles;
-    const json plain{
-        {"name", "bark"},
-        {"pbrMetallicRoughness",
-         {{"baseColorFactor", {0.32, 0.22, 0.15, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.9}}}};
+    const json plain{{"name", "bark"},
+                     {"pbrMetallicRoughness",
+                      {{"baseColorFactor", {kPlainColor.x, kPlainColor.y, kPlainColor.z, 1.0}},
+                       {"metallicFactor", 0.0},
+                       {"roughnessFactor", 0.9}}}};
     return {
         {"asset", {{"version", "2.0"}, {"generator", "Coppice"}}},
         {"scene", 0},

@@ -92,8 +92,9 @@ void write_tail(AtomicFile& file, const MeshView& mesh, Subdivision subdivision,
         file.write(fmt::format("        rel material:binding = </tree/{}>\n", mesh.materials.front().name));
     }
     file.write(
-        fmt::format("        color3f[] primvars:displayColor = [(0.32, 0.22, 0.15)]\n"
+        fmt::format("        color3f[] primvars:displayColor = [({}, {}, {})]\n"
                     "        uniform token subdivisionScheme = \"{}\"\n",
+                    kPlainColor.x, kPlainColor.y, kPlainColor.z,
                     subdivision == Subdivision::none ? "none" : "catmullClark"));
     if (has_subsets) {
         const auto faces = group_by_material(mesh);

@@ -21,6 +21,9 @@
 
 namespace coppice::io_internal {
 
+/// Linear colour of surfaces without a material.
+inline constexpr Vec3d kPlainColor{0.32, 0.22, 0.15};
+
 static_assert(sizeof(Vec3) == 3 * sizeof(float));
 
 /// Successive faces of an OBJ file.
