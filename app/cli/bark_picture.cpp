@@ -72,7 +72,7 @@ Image draw_bark(const BarkMaps& maps, float diameter, int width, const Context& 
                                            .elevation = 0,
                                            .margin = 0},
                                 .ground = false};
-    return render({.mesh = &mesh, .material = &material, .framed = framed}, options, ctx);
+    return render({.mesh = &mesh, .materials = {&material, 1}, .framed = framed}, options, ctx);
 }
 
 }  // namespace coppice::cli

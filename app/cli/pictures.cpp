@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "coppice/io_mesh/material.h"
 #include "coppice/render/contact_sheet.h"
 #include "coppice/render/png.h"
 #include "coppice/render/png_reader.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/bark_images.h"
-#include "coppice/scene/drawn_material.h"
 #include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
@@ -36,11 +34,6 @@ void check_picture_output(const std::filesystem::path& path) {
         throw UsageError(
             fmt::format("'{}' is not the name of an image; use the extension .png", path.string()));
     check_output_folder(path);
-}
-
-RenderMaterial load_material(Run& run, const std::filesystem::path& prefix) {
-    return run.stage("read",
-                     [&](const Context& ctx) { return load_render_material(find_material(prefix), ctx); });
 }
 
 std::filesystem::path height_file(const std::filesystem::path& prefix) {

@@ -7,7 +7,6 @@
 
 #include "coppice/mesh/height_texture.h"
 #include "coppice/render/image.h"
-#include "coppice/render/material.h"
 #include "coppice/render/png_reader.h"
 #include "coppice/skeleton/skeleton.h"
 #include "run.h"
@@ -21,10 +20,6 @@ void check_picture_output(const std::filesystem::path& path);
 /// Renders a square image of each skeleton, as a stage of the run.
 std::vector<Image> draw_each(Run& run, std::span<const Skeleton* const> trees, int size);
 
-/// Reads the image of the colour, PREFIX_color.png, and those of PREFIX_normal.png, PREFIX_roughness.png and
-/// PREFIX_occlusion.png that exist; also .jpg. Throws IoError without the first, InvalidInput for other
-/// content.
-RenderMaterial load_material(Run& run, const std::filesystem::path& prefix);
 /// Returns PREFIX_height.png.
 std::filesystem::path height_file(const std::filesystem::path& prefix);
 /// Returns the extent of an image on a surface, if its file states it. Throws IoError if it cannot be read.

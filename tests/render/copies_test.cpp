@@ -91,7 +91,7 @@ TEST(Copies, LookLikeTheMergedMesh) {
                             .prototype_materials = {&green, 1},
                             .framed = kFrame},
                            options);
-    const Image b = render({.mesh = &mesh, .material = &green, .framed = kFrame}, options);
+    const Image b = render({.mesh = &mesh, .materials = {&green, 1}, .framed = kFrame}, options);
     EXPECT_GT(opaque_pixels(a), 3000);
     // Rounding moves few silhouettes and shadows.
     int different = 0;
@@ -178,7 +178,7 @@ TEST(Copies, HolesOfAMeshAreTransparent) {
     mesh.texture.assign(texture.begin(), texture.end());
     for (Vec3& p : mesh.positions) p = {0, p.x, p.y - 1};
     RenderMaterial card{.color = half_opaque()};
-    const RenderScene scene{.mesh = &mesh, .material = &card, .framed = kFrame};
+    const RenderScene scene{.mesh = &mesh, .materials = {&card, 1}, .framed = kFrame};
     const int whole = opaque_pixels(render(scene, options_from_x()));
     card.cut_out = true;
     EXPECT_NEAR(opaque_pixels(render(scene, options_from_x())), 0.5 * whole, 0.03 * whole);

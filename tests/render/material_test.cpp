@@ -64,7 +64,7 @@ RenderOptions from_x() {
 
 Image drawn(const PolygonMesh& mesh, const RenderMaterial& material, const RenderOptions& options = from_x(),
             const Context& ctx = {}) {
-    return render({.mesh = &mesh, .material = &material}, options, ctx);
+    return render({.mesh = &mesh, .materials = {&material, 1}}, options, ctx);
 }
 
 int brightness(const Image& image, int x, int y) {
@@ -319,7 +319,7 @@ TEST(Material, FacesMayHaveDifferentOnes) {
     const PolygonMesh mesh = pair_of_squares();
     const RenderMaterial materials[] = {{.color = filled(1, 1, kGreen)}, {.color = filled(1, 1, kRed)}};
     const auto draw = [&](std::vector<std::uint32_t> of_faces) {
-        return render({.mesh = &mesh, .face_materials = of_faces, .materials = materials}, from_x());
+        return render({.mesh = &mesh, .materials = materials, .face_materials = of_faces}, from_x());
     };
     const Image both = draw({1, 0});
     const Image::Pixel left = both.at(24, 32), right = both.at(40, 32);
@@ -346,7 +346,7 @@ TEST(Material, RejectsInvalidInput) {
     mesh.texture.clear();
     EXPECT_EQ(error(mesh, red), "render: a material requires a mesh with texture coordinates");
     const Skeleton skeleton({NodeId{}}, {{0, 0, 0}}, {0.9f});
-    EXPECT_THROW(render({.material = &red, .skeleton = &skeleton}, from_x()), InvalidInput);
+    EXPECT_THROW(render({.materials = {&red, 1}, .skeleton = &skeleton}, from_x()), InvalidInput);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "coppice/pipeline/mesh_skeleton.h"
 #include "coppice/render/colors.h"
 #include "coppice/render/render.h"
+#include "coppice/scene/drawn_material.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -109,18 +110,14 @@ PlacedLeaves make_placed_leaves(Run& run, const LeafSpecies& species, int count,
 void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
     constexpr float kTransmission = 0.45f;  // of a leaf relative to its reflection [Jacquemoud1990]
     PolygonMesh mesh = to_polygons(wood);
-    std::vector<RenderMaterial> bark;
-    if (!flags.materials.bark.empty()) {
-        mesh.texture = Buffer<TexturePoint>(wood.texture->points.begin(), wood.texture->points.end());
-        for (const auto& prefix : {flags.materials.bark, flags.materials.twig, flags.materials.cut})
-            bark.push_back(prefix.empty() ? RenderMaterial{} : load_material(run, prefix));
-    }
-    std::vector<std::uint32_t> slots = wood.slots;
-    if (!bark.empty() && slots.empty()) slots.assign(mesh.face_count(), 0);
+    if (wood.texture) mesh.texture.assign(wood.texture->points.begin(), wood.texture->points.end());
+    const FaceMaterials bark = run.stage("read images", [&](const Context& ctx) {
+        return load_face_materials(flags.write.materials, wood.slots, ctx);
+    });
     const RenderMaterial leaf{.base_color = leaves.material.base_color, .transmission = kTransmission};
     const RenderScene scene{.mesh = &mesh,
-                            .face_materials = slots,
-                            .materials = bark,
+                            .materials = bark.materials,
+                            .face_materials = bark.of_face,
                             .instances = &leaves.foliage.instances,
                             .prototypes = leaves.prototypes,
                             .prototype_materials = {&leaf, 1}};
@@ -131,7 +128,6 @@ void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, con
 
 void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
     MeshWriteOptions write = flags.write;
-    write.materials = find_materials(flags.materials);
     write.parts = {leaves.prototypes, {&leaves.material, 1}, &leaves.foliage.instances, flags.storage};
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) write_surface(output, wood, write, ctx);
@@ -155,10 +151,11 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
     const LeafSpecies species = make_species(flags, given);
     MeshOptions& mesh = flags.mesh;
     std::string moved;
-    if (!flags.materials.bark.empty()) {
+    flags.write.materials = find_materials(flags.materials);
+    if (!flags.write.materials.empty()) {
         mesh.texture.coordinates = TextureCoordinates::bark;
         mesh.slots = make_slots(flags.materials, mesh.slots);
-        moved = use_tile_of_image(run, given, find_materials(flags.materials).front().color, mesh.texture);
+        moved = use_tile_of_image(run, given, flags.write.materials.front().color, mesh.texture);
     }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const PlacedLeaves leaves = make_placed_leaves(run, species, flags.models, file.skeleton);

@@ -15,6 +15,7 @@
 #include "coppice/points/spacing.h"
 #include "coppice/render/picture.h"
 #include "coppice/render/png.h"
+#include "coppice/scene/drawn_material.h"
 #include "coppice/system/file.h"
 #include "drawn_objects.h"
 #include "files.h"
@@ -181,12 +182,6 @@ Backdrop load_backdrop(Run& run, const RenderFlags& flags, RenderOptions& option
     return out;
 }
 
-/// Materials of the mesh, and the index of one for each face.
-struct FaceMaterials {
-    std::vector<RenderMaterial> materials;
-    std::vector<std::uint32_t> of_face;
-};
-
 /// Gives the faces of groups that have the name of a material, as in the file of the mesh, that material.
 void set_material(const PolygonMesh& mesh, const std::string& name, std::uint32_t material,
                   std::vector<std::uint32_t>& of_face) {
@@ -218,15 +213,12 @@ FaceMaterials load_mesh_materials(Run& run, const RenderFlags& flags, const Inpu
             "--material requires a mesh with texture coordinates; write it by coppice mesh TREE --uv bark -o "
             "MESH.obj");
     }
-    FaceMaterials out{{}, std::vector<std::uint32_t>(in.mesh->face_count(), 0)};
-    for (const auto& prefix : {flags.materials.bark, flags.materials.twig, flags.materials.cut}) {
-        if (prefix.empty()) continue;
-        const auto index = static_cast<std::uint32_t>(out.materials.size());
-        if (index > 0)
-            set_material(*in.mesh, make_material_name(prefix.filename().string()), index, out.of_face);
-        out.materials.push_back(load_material(run, prefix));
+    const std::vector<MaterialFiles> files = find_materials(flags.materials);
+    std::vector<std::uint32_t> of_face(in.mesh->face_count(), 0);
+    for (std::uint32_t m = 1; m < files.size(); ++m) {
+        if (!files[m].empty()) set_material(*in.mesh, files[m].name, m, of_face);
     }
-    return out;
+    return run.stage("read", [&](const Context& ctx) { return load_face_materials(files, of_face, ctx); });
 }
 
 ExitCode render_file(Run& run, const RenderFlags& flags) {
@@ -264,8 +256,8 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     }
     const Crossings crossings = flags.mark == Marked::crossings ? find_crossings(run, in) : Crossings{};
     const RenderScene scene{.mesh = in.mesh ? &*in.mesh : nullptr,
-                            .face_materials = materials.of_face,
                             .materials = materials.materials,
+                            .face_materials = materials.of_face,
                             .cloud = in.cloud ? &*in.cloud : nullptr,
                             .point_radius = in.point_radius,
                             .skeleton = in.skeleton ? &*in.skeleton : nullptr,

@@ -38,12 +38,6 @@ void check(const PointCloud& cloud, float radius) {
     }
 }
 
-/// Returns the materials of the faces, or that of all faces.
-std::span<const RenderMaterial> get_materials(const RenderScene& scene) {
-    if (scene.material == nullptr) return scene.materials;
-    return {scene.material, 1};
-}
-
 bool has_drawn_copies(const RenderScene& scene, const RenderOptions& options) {
     return scene.instances != nullptr && !scene.instances->empty() &&
            (options.color == RenderColor::plain || options.color == RenderColor::signal);
@@ -123,7 +117,7 @@ void check(const RenderScene& scene, const RenderOptions& options) {
             throw InvalidInput(fmt::format("render: face {} is marked, but there are {}", f, faces));
     }
     if (scene.cloud != nullptr) check(*scene.cloud, scene.point_radius);
-    for (const RenderMaterial& material : get_materials(scene)) check(material, scene.mesh);
+    for (const RenderMaterial& material : scene.materials) check(material, scene.mesh);
     if (!scene.face_materials.empty() &&
         (scene.mesh == nullptr || scene.face_materials.size() != scene.mesh->face_count()))
         throw InvalidInput("render: the number of materials of faces must be that of the faces");
@@ -255,7 +249,7 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
             "render: the point of look_at is behind the camera; change the direction of the camera");
     std::vector<TracedMaterial> materials;
     if (options.color == RenderColor::plain) {
-        for (const auto of : {get_materials(scene), scene.prototype_materials})
+        for (const auto of : {scene.materials, scene.prototype_materials})
             for (const RenderMaterial& material : of) materials.emplace_back(material, ctx);
     }
     const Shading shading(traced, camera, chosen, materials);

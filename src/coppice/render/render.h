@@ -50,13 +50,11 @@ struct RenderMark {
 /// account.
 struct RenderScene {
     const PolygonMesh* mesh = nullptr;  ///< the surface; may be null
-    /// The surface of the mesh, which requires texture coordinates; drawn with the colour `plain`. May be
-    /// null.
-    const RenderMaterial* material = nullptr;
-    /// In place of `material`: for each face the index of one of `materials`; faces with another value have
-    /// no material.
+    /// Materials of the mesh, which require texture coordinates; drawn with the colour `plain`. May be empty.
+    std::span<const RenderMaterial> materials;
+    /// The index in `materials` of each face; faces with another value have no material. Empty: all faces
+    /// have the first material.
     std::span<const std::uint32_t> face_materials;
-    std::span<const RenderMaterial> materials;  ///< used with `face_materials`
     /// Placed copies, such as leaves, drawn on both sides and only with the colours `plain` and `signal`; may
     /// be null.
     const Instances* instances = nullptr;

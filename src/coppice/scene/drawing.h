@@ -21,8 +21,8 @@ class Drawing {
     /// Returns the input of render(); this object must outlive it.
     RenderScene scene() const {
         return {.mesh = mesh_ ? &*mesh_ : nullptr,
-                .face_materials = face_materials_,
                 .materials = materials_,
+                .face_materials = face_materials_,
                 .skeleton = skeleton_ ? &*skeleton_ : nullptr,
                 .deviation = {}};
     }

@@ -33,4 +33,17 @@ RenderMaterial load_render_material(const SurfaceMaterial& material, const Conte
     return material.bark ? make_render_material(*material.bark) : load_render_material(material.files, ctx);
 }
 
+FaceMaterials load_face_materials(std::span<const MaterialFiles> files,
+                                  std::span<const std::uint32_t> of_face, const Context& ctx) {
+    FaceMaterials out;
+    std::vector<std::uint32_t> loaded;  // index in `out` of each material
+    for (const MaterialFiles& material : files) {
+        loaded.push_back(static_cast<std::uint32_t>(out.materials.size()));
+        if (!material.empty()) out.materials.push_back(load_render_material(material, ctx));
+    }
+    if (out.materials.empty()) return out;
+    for (const std::uint32_t m : of_face) out.of_face.push_back(loaded[m]);
+    return out;
+}
+
 }  // namespace coppice

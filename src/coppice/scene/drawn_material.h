@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "coppice/base/context.h"
 #include "coppice/io_mesh/material.h"
 #include "coppice/render/material.h"
@@ -19,5 +23,16 @@ RenderMaterial make_render_material(const BarkMaps& maps);
 RenderMaterial load_render_material(const MaterialFiles& files, const Context& ctx = {});
 /// The same for a material of a scene, of files or bark.
 RenderMaterial load_render_material(const SurfaceMaterial& material, const Context& ctx = {});
+
+/// Materials of the faces of a mesh for render().
+struct FaceMaterials {
+    std::vector<RenderMaterial> materials;  ///< those with images
+    std::vector<std::uint32_t> of_face;     ///< as RenderScene::face_materials
+};
+
+/// Reads the images of several materials. `of_face` is the index of one for each face, or empty: all faces
+/// have the first. Materials without images must not have faces. Throws as load_render_material().
+FaceMaterials load_face_materials(std::span<const MaterialFiles> files,
+                                  std::span<const std::uint32_t> of_face, const Context& ctx = {});
 
 }  // namespace coppice

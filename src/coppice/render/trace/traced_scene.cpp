@@ -145,10 +145,8 @@ void TracedScene::build_mesh(const RenderScene& scene, bool flat, const Context&
     for (const Vec3 p : mesh.positions) positions.push_back(local(p, mesh.origin));
     mesh_.set_faces(mesh, std::move(positions));
     if (!flat) mesh_.smooth_normals();
-    const std::span<const RenderMaterial> materials =
-        scene.material != nullptr ? std::span(scene.material, 1) : scene.materials;
-    mesh_material_count_ = static_cast<std::uint32_t>(materials.size());
-    if (!materials.empty()) mesh_.set_texture(mesh, scene.face_materials, materials);
+    mesh_material_count_ = static_cast<std::uint32_t>(scene.materials.size());
+    if (!scene.materials.empty()) mesh_.set_texture(mesh, scene.face_materials, scene.materials);
     attach_geometry(solid_.get(), mesh_.make_geometry(device_.get(), mesh_.quads(), ctx).get());
     kinds_.push_back(GeometryKind::mesh);
     if (scene.marked_faces.empty()) return;

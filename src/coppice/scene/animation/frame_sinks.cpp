@@ -45,14 +45,8 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t fr
 /// Draws frames with their material.
 class Painter {
   public:
-    explicit Painter(const FrameSeries& series) : series_(series) {
-        std::vector<std::uint32_t> drawn;  // index of each material in `materials_`
-        for (const MaterialFiles& files : series.materials) {
-            drawn.push_back(static_cast<std::uint32_t>(materials_.size()));
-            if (!files.empty()) materials_.push_back(load_render_material(files));
-        }
-        for (const std::uint32_t m : series.face_materials) face_materials_.push_back(drawn[m]);
-    }
+    explicit Painter(const FrameSeries& series)
+        : series_(series), materials_(load_face_materials(series.materials, series.face_materials)) {}
 
     Image draw(const SurfaceFrame& frame, const Context& ctx) const {
         PolygonMesh mesh = to_polygons(frame.mesh);
@@ -60,9 +54,9 @@ class Painter {
         mesh.texture.assign(points.begin(), points.end());
         mesh.texture_blends.assign(blends.begin(), blends.end());
         RenderScene scene{.mesh = &mesh, .framed = series_.framed};
-        if (!materials_.empty() && !mesh.texture.empty()) {
-            scene.materials = materials_;
-            scene.face_materials = face_materials_;
+        if (!mesh.texture.empty()) {
+            scene.materials = materials_.materials;
+            scene.face_materials = materials_.of_face;
         }
         return render(scene, series_.picture, ctx);
     }
@@ -70,8 +64,7 @@ class Painter {
 
   private:
     FrameSeries series_;
-    std::vector<RenderMaterial> materials_;
-    std::vector<std::uint32_t> face_materials_;  // empty: all faces have the first
+    FaceMaterials materials_;
 };
 
 class MeshFiles : public FrameSink {
