@@ -41,7 +41,9 @@ TEST(LeafImage, fits_the_meshes_of_all_species) {
             const float v = (texture[i].v + texture[i + 1].v + texture[i + 2].v) / 3;
             inside += find_alpha(image, u, v) > 100 ? 1 : 0;
         }
-        EXPECT_GT(inside, static_cast<int>(0.9 * static_cast<double>(texture.size()) / 3)) << species.name;
+        // Leaflets of pinnate leaves are few pixels wide.
+        const double share = species.shape.parts == LeafParts::pinnate ? 0.8 : 0.9;
+        EXPECT_GT(inside, static_cast<int>(share * static_cast<double>(texture.size()) / 3)) << species.name;
     }
 }
 

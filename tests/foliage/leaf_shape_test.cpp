@@ -18,7 +18,7 @@ namespace {
 using test::error_of;
 
 LeafShape make_flat(LeafShape shape) {
-    shape.fold = shape.cup = shape.curl = shape.wave = shape.blade_angle = 0;
+    shape.fold = shape.cup = shape.curl = shape.arch = shape.wave = shape.blade_angle = 0;
     return shape;
 }
 
@@ -73,7 +73,10 @@ TEST(LeafShape, given_exponents_replace_those_of_the_outline) {
 TEST(LeafShape, faces_of_flat_leaves_face_up_and_are_not_degenerate) {
     for (const LeafSpecies& species : leaf_species()) {
         if (species.shape.parts == LeafParts::needles) continue;
-        const TriMesh mesh = make_leaf(make_flat(make_bare(species.shape))).prototype.mesh;
+        LeafShape shape = make_flat(make_bare(species.shape));
+        if (shape.parts == LeafParts::pinnate)
+            shape.leaflets = 1;  // without the stalk, which has a lower side
+        const TriMesh mesh = make_leaf(shape).prototype.mesh;
         const double mean = compute_surface(mesh) / static_cast<double>(mesh.triangles.size());
         for (const Triangle& t : mesh.triangles)
             EXPECT_GT(double{compute_normal(mesh, t).z}, 1e-5 * mean) << species.name;
@@ -145,6 +148,21 @@ TEST(LeafShape, begins_at_the_origin_and_extends_along_y) {
         EXPECT_LT(nearest, species.shape.petiole_width) << species.name;
         EXPECT_GT(farthest, 0.6f * species.shape.length) << species.name;
     }
+}
+
+TEST(LeafShape, arch_bends_a_pinnate_leaf_as_a_whole_and_keeps_its_area) {
+    LeafShape shape = make_flat({.parts = LeafParts::pinnate, .leaflets = 21, .leaflet_taper = 0.5f});
+    shape.curl = 0;
+    const LeafModel flat = make_leaf(shape);
+    shape.arch = 1;
+    const LeafModel arched = make_leaf(shape);
+    const auto by_y = [](Vec3 a, Vec3 b) { return a.y < b.y; };
+    const double length = double{std::ranges::max_element(flat.prototype.mesh.positions, by_y)->y};
+    // The end of an arc of 1 rad is 1 - cos(1) lengths below its beginning.
+    const auto by_z = [](Vec3 a, Vec3 b) { return a.z < b.z; };
+    EXPECT_NEAR(std::ranges::min_element(arched.prototype.mesh.positions, by_z)->z,
+                -length * (1 - std::cos(1.0)), 0.01 * length);
+    EXPECT_DOUBLE_EQ(arched.area, flat.area);
 }
 
 TEST(LeafShape, curl_bends_the_tip_down_and_fold_raises_the_margins) {

@@ -37,6 +37,9 @@ const std::vector<Measures>& list_measures() {
         {"cherry", {5, 13}, {2.5, 6.5}, {1.5, 3}, {2, 3}, {40, 60}},
         {"olive", {4, 10}, {1, 3}, {0.5, 1}, {1, 3}, {40, 60}},
         {"hawthorn", {2, 4}, {2, 4}, {0.5, 3}, {1, 3}, {30, 45}},
+        {"coconut", {60, 90}, {2, 5}, {100, 150}, {}, {}},
+        {"fern", {}, {}, {15, 40}, {}, {}},
+        {"cypress", {0.2, 0.5}, {}, {}, {}, {}},
         {"hazel", {6, 12}, {6, 12}, {0.8, 1.5}, {3, 6}, {15, 30}},
     };
     return kMeasures;
@@ -51,7 +54,7 @@ void expect_in(double value, Range range, const std::string& text) {
 
 /// Returns one flat blade or needle without a petiole.
 LeafShape make_blade(LeafShape shape) {
-    shape.fold = shape.cup = shape.curl = shape.wave = shape.blade_angle = 0;
+    shape.fold = shape.cup = shape.curl = shape.arch = shape.wave = shape.blade_angle = 0;
     shape.petiole_length = 0;
     if (shape.parts != LeafParts::needles) shape.parts = LeafParts::simple;
     shape.leaflets = 1;

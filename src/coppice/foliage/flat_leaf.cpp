@@ -73,10 +73,11 @@ class Builder {
 
     /// Adds a prism with three sides along y.
     void add_stalk(float from, float to, float width) {
-        constexpr int kRows = 2;
+        constexpr int kStraightRows = 2, kArchedRows = 10;
+        const int rows = shape_.arch == 0 ? kStraightRows : kArchedRows;
         std::vector<Ring> rings;
-        for (int i = 0; i <= kRows; ++i) {
-            const float f = static_cast<float>(i) / kRows;
+        for (int i = 0; i <= rows; ++i) {
+            const float f = static_cast<float>(i) / static_cast<float>(rows);
             const float y = from + f * (to - from), radius = 0.5f * width * (1.15f - 0.3f * f);
             rings.push_back(add_ring(radius, y, [](Vec3 p) { return p; }));
         }
@@ -104,10 +105,26 @@ class Builder {
         for (std::size_t k = 0; k < 3; ++k) add_triangle(last[k], tip, last[(k + 1) % 3], LeafPart::needle);
     }
 
-    FlatLeaf take() { return std::move(leaf_); }
+    FlatLeaf take() {
+        bend_down();
+        return std::move(leaf_);
+    }
 
   private:
     using Ring = std::array<FlatCorner, 3>;
+
+    /// Bends all positions along a circular arc, which keeps their distances along the leaf.
+    void bend_down() {
+        if (shape_.arch == 0) return;
+        float end = 0;
+        for (const Vec3 p : leaf_.positions) end = std::max(end, p.y);
+        if (end <= 0) return;
+        const float k = shape_.arch / end;
+        for (Vec3& p : leaf_.positions) {
+            const Point2 along = integrate_arc(0, k, p.y);
+            p = {p.x, along.x + p.z * std::sin(k * p.y), p.z * std::cos(k * p.y) - along.y};
+        }
+    }
 
     /// Corners of the row across one half, from the midrib to the margin.
     using Row = std::vector<FlatCorner>;
@@ -222,13 +239,14 @@ void add_palmate(const LeafShape& shape, Builder& builder) {
 
 void add_pinnate(const LeafShape& shape, Builder& builder) {
     const int pairs = shape.leaflets / 2;
-    const float step = 1.15f * shape.width;
+    const float step = shape.leaflet_spacing * shape.width;
     const float end = shape.petiole_length + step * (static_cast<float>(pairs) - 0.5f);
     if (pairs > 0) builder.add_stalk(shape.petiole_length, end, 0.7f * shape.petiole_width);
     for (int i = 0; i < pairs; ++i) {
         const float y = shape.petiole_length + step * static_cast<float>(i);
         const float f = (static_cast<float>(i) + 0.5f) / static_cast<float>(pairs);
-        const float size = 1 - 0.6f * (f - 0.45f) * (f - 0.45f);
+        const float size =
+            std::max(0.05f, (1 - 0.6f * (f - 0.45f) * (f - 0.45f)) * (1 - shape.leaflet_taper * f * f));
         for (const float side : {1.0f, -1.0f})
             builder.add_blade({.base = {0, y},
                                .angle = side * shape.leaflet_angle,
@@ -236,7 +254,9 @@ void add_pinnate(const LeafShape& shape, Builder& builder) {
                                .tilt = shape.blade_angle});
     }
     if (shape.leaflets % 2 == 1)
-        builder.add_blade({.base = {0, pairs > 0 ? end : shape.petiole_length}, .tilt = shape.blade_angle});
+        builder.add_blade({.base = {0, pairs > 0 ? end : shape.petiole_length},
+                           .scale = std::max(0.05f, 1 - (pairs > 0 ? shape.leaflet_taper : 0)),
+                           .tilt = shape.blade_angle});
 }
 
 void add_needles(const LeafShape& shape, Builder& builder) {

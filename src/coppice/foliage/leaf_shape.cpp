@@ -31,11 +31,18 @@ void list_outline(LeafShape& o, FieldList& list) {
     list.add(
         Field{"tip_exponent", "The same exponent at the tip; 0 is that of the outline.", Unit::none, 0, 4},
         o.tip_exponent);
-    list.add(Field{"leaflets", "Number of leaflets of a leaf, or of needles of a bundle.", Unit::none, 1, 61},
-             o.leaflets);
+    list.add(
+        Field{"leaflets", "Number of leaflets of a leaf, or of needles of a bundle.", Unit::none, 1, 301},
+        o.leaflets);
     list.add(Field{"leaflet_angle", "Angle between leaflets, or of needles to the axis of their bundle.",
                    Unit::radian, 0, 1.6},
              o.leaflet_angle);
+    list.add(Field{"leaflet_spacing", "Distance between pairs of leaflets per width of a leaflet.",
+                   Unit::none, 0.1, 10},
+             o.leaflet_spacing);
+    list.add(Field{"leaflet_taper", "Share by which pairs of leaflets are shorter at the tip of the leaf.",
+                   Unit::none, 0, 1},
+             o.leaflet_taper);
     list.add(Field{"lobe_count", "Number of lobes on each side; of palmate leaves, of all lobes.", Unit::none,
                    1, 15},
              o.lobe_count);
@@ -60,6 +67,9 @@ void list_form(LeafShape& o, FieldList& list) {
         o.cup);
     list.add(Field{"curl", "Angle by which a blade bends down towards its tip.", Unit::radian, -3, 3},
              o.curl);
+    list.add(Field{"arch", "Angle by which a whole leaf bends down towards its tip, with all leaflets.",
+                   Unit::radian, -3, 3},
+             o.arch);
     list.add(Field{"wave", "Height of the waves of the margin per length of the blade.", Unit::none, 0, 0.2},
              o.wave);
     list.add(Field{"petiole_length", "Length of the petiole, or of the sheath of a bundle of needles.",

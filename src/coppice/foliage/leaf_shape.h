@@ -83,8 +83,10 @@ struct LeafShape {
     /// outline; in [0, 4].
     float base_exponent = 0;
     float tip_exponent = 0;         ///< b of that formula; 0: that of the outline; in [0, 4]
-    int leaflets = 5;               ///< number of leaflets, or of needles in a bundle; in [1, 61]
+    int leaflets = 5;               ///< number of leaflets, or of needles in a bundle; in [1, 301]
     float leaflet_angle = 0.7f;     ///< [rad] between leaflets, or of needles to the bundle; in [0, 1.6]
+    float leaflet_spacing = 1.15f;  ///< distance of pairs of leaflets per width of a leaflet; in [0.1, 10]
+    float leaflet_taper = 0;        ///< share by which pairs are shorter at the tip of the leaf; in [0, 1]
     int lobe_count = 4;             ///< lobes on each side, or around the petiole if palmate; in [1, 15]
     float lobe_depth = 0.45f;       ///< depth of the sinuses per half-width; in [0, 0.95]
     int teeth = 20;                 ///< number of teeth on each side; in [1, 200]
@@ -94,6 +96,7 @@ struct LeafShape {
     float fold = 0.2f;              ///< [rad] by which each half is raised at the midrib; in [-1.5, 1.5]
     float cup = 0.15f;              ///< [rad] by which each half bends up towards the margin; in [-3, 3]
     float curl = 0.4f;              ///< [rad] by which the blade bends down towards the tip; in [-3, 3]
+    float arch = 0;                 ///< [rad] by which a whole leaf bends down towards its tip; in [-3, 3]
     float wave = 0;                 ///< height of the waves of the margin per length; in [0, 0.2]
     float petiole_length = 0.015f;  ///< [m] in [0, 2]
     float petiole_width = 0.0015f;  ///< [m] in [1e-4, 0.1]

@@ -314,6 +314,99 @@ LeafSpecies make_hazel() {
              .autumn_color = srgb(214, 180, 70)}};
 }
 
+LeafSpecies make_coconut() {
+    return {"coconut",
+            "coconut palm, Cocos nucifera",
+            {.parts = LeafParts::pinnate,
+             .outline = LeafOutline::linear,
+             .length = 0.75f,
+             .width = 0.045f,
+             .leaflets = 121,
+             .leaflet_angle = 1.0f,
+             .leaflet_spacing = 1.45f,
+             .leaflet_taper = 0.65f,
+             .veins = 0,
+             .fold = 0.35f,
+             .curl = 0.9f,
+             .arch = 1.1f,
+             .petiole_length = 1.2f,
+             .petiole_width = 0.06f,
+             .blade_angle = 0.35f,
+             .rows = 5},
+            {.evergreen = true,
+             .max_radius = 1,
+             .shoot_length = 0.6f,
+             .min_order = 0,
+             .internode = 0.018f,
+             .divergence = 2.4435f,
+             .angle = 1.45f,
+             .light = 0.1f,
+             .droop = 0.1f,
+             .spread = 0.2f,
+             .base_size = 1,
+             .young_color = srgb(120, 150, 60),
+             .summer_color = srgb(92, 118, 50)}};
+}
+
+LeafSpecies make_fern() {
+    return {"fern",
+            "male fern, Dryopteris filix-mas",
+            {.parts = LeafParts::pinnate,
+             .outline = LeafOutline::lanceolate,
+             .margin = LeafMargin::crenate,
+             .length = 0.13f,
+             .width = 0.03f,
+             .leaflets = 53,
+             .leaflet_angle = 1.35f,
+             .leaflet_spacing = 0.95f,
+             .leaflet_taper = 0.92f,
+             .teeth = 14,
+             .tooth_depth = 0.02f,
+             .fold = 0.1f,
+             .curl = 0.4f,
+             .arch = 0.9f,
+             .petiole_length = 0.3f,
+             .petiole_width = 0.007f,
+             .blade_angle = 0.1f,
+             .rows = 30},
+            {.max_radius = 1,
+             .shoot_length = 0.08f,
+             .min_order = 0,
+             .internode = 0.007f,
+             .divergence = kGolden,
+             .angle = 0.5f,
+             .light = 0,
+             .droop = 0,
+             .spread = 0.12f,
+             .base_size = 0.9f,
+             .young_color = srgb(128, 160, 64),
+             .summer_color = srgb(78, 112, 44),
+             .autumn_color = srgb(150, 104, 56)}};
+}
+
+LeafSpecies make_cypress() {
+    return {"cypress",
+            "Mediterranean cypress, Cupressus sempervirens",
+            {.parts = LeafParts::needles,
+             .length = 0.005f,
+             .width = 0.0018f,
+             .leaflets = 1,
+             .curl = -0.1f,
+             .petiole_length = 0,
+             .rows = 2},
+            {.arrangement = LeafArrangement::opposite,
+             .evergreen = true,
+             .shoot_length = 0.2f,
+             .internode = 0.003f,
+             .angle = 0.3f,
+             .light = 0,
+             .droop = 0,
+             .spread = 0.08f,
+             .base_size = 1,
+             .young_color = srgb(100, 128, 72),
+             .summer_color = srgb(58, 84, 56)}};
+}
+
 LeafSpecies make_pine() {
     return {"pine",
             "Scots pine, Pinus sylvestris",
@@ -367,9 +460,10 @@ LeafSpecies make_spruce() {
 
 std::span<const LeafSpecies> leaf_species() {
     static const std::vector<LeafSpecies> kSpecies{
-        make_beech(),          make_oak(),   make_birch(),  make_willow(),      make_poplar(),
-        make_horse_chestnut(), make_apple(), make_cherry(), make_field_maple(), make_hawthorn(),
-        make_hazel(),          make_olive(), make_pine(),   make_spruce()};
+        make_beech(),          make_oak(),    make_birch(),   make_willow(),      make_poplar(),
+        make_horse_chestnut(), make_apple(),  make_cherry(),  make_field_maple(), make_hawthorn(),
+        make_hazel(),          make_olive(),  make_coconut(), make_fern(),        make_pine(),
+        make_spruce(),         make_cypress()};
     return kSpecies;
 }
 
