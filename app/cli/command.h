@@ -48,6 +48,8 @@ Command view_command();
 Command scan_command();
 Command texture_command();
 Command leaves_command();
+Command tree_command();
+Command species_command();
 Command run_command();
 Command grow_command();
 Command sprout_command();

@@ -5,11 +5,12 @@ namespace coppice::cli {
 std::vector<Command> all_commands(CommonFlags& common) {
     std::vector<Command> commands;
     for (const auto make :
-         {mesh_command,    extract_command, sketch_command, library_command, compose_command,
-          check_command,   compare_command, info_command,   table_command,   chart_command,
-          convert_command, render_command,  view_command,   scan_command,    texture_command,
-          leaves_command,  run_command,     grow_command,   sprout_command,  edit_command,
-          animate_command, shell_command,   studio_command, schema_command}) {
+         {mesh_command,    extract_command, sketch_command,  library_command, compose_command,
+          check_command,   compare_command, info_command,    table_command,   chart_command,
+          convert_command, render_command,  view_command,    scan_command,    texture_command,
+          leaves_command,  tree_command,    species_command, run_command,     grow_command,
+          sprout_command,  edit_command,    animate_command, shell_command,   studio_command,
+          schema_command}) {
         commands.push_back(make());
         add_common_options(commands.back().options, common);
     }

@@ -252,6 +252,12 @@ add("tree.coppice", "sphere s\npointset gen s poisson count=200\n"
     "grow s s root=0,0,-1.5 influence_radius=2 kill_radius=0.2 step=0.1\nmesh s levels=1\ndescribe s\n"
     "save s s.ply kind=points\n")
 add("ball.coppice", "sphere ball\n")
+add(
+    "leafed.coppice",
+    "let age = 1\nlimb tree 0,0,0 0,0,1 radius=0.02\nsize tree height=${age}\nmesh tree levels=1\n"
+    "leaves tree oak min_order=0 max_radius=1 shoot_length=1\n",
+)
+add("fault.coppice", "let age = 1\nlimb tree 0,0,0\nmesh tree\n")
 add("late.coppice", "sphere s\npointset gen s poisson count=200\nsave s s.ply kind=points\npolygonize s\n")
 add("many.coppice", "sphere s\npointset gen s poisson count=20000000\n")
 # Cut flat at its base, which is twenty times as wide as it is high.

@@ -3,16 +3,16 @@
 #include <memory>
 
 #include "command.h"
-#include "coppice/base/box.h"
 #include "coppice/base/quote.h"
 #include "coppice/foliage/leaf_species.h"
 #include "coppice/io_mesh/writer.h"
 #include "coppice/options/spelling.h"
 #include "coppice/pipeline/mesh_skeleton.h"
-#include "coppice/render/colors.h"
 #include "coppice/render/render.h"
 #include "coppice/scene/drawn_material.h"
+#include "coppice/scene/surface_leaves.h"
 #include "files.h"
+#include "leaf_pictures.h"
 #include "options.h"
 #include "pictures.h"
 #include "streams.h"
@@ -27,6 +27,7 @@ struct LeavesFlags {
     int models = 3;
     LeafShape shape;
     LeafRules rules;
+    BranchletOptions branchlets;
     MeshOptions mesh = options_of_written_surface();
     MaterialPrefixes materials;
     InstanceStorage storage = InstanceStorage::instanced;
@@ -72,63 +73,19 @@ LeafSpecies make_species(const LeavesFlags& flags, const GivenOptions& given) {
     return species;
 }
 
-/// Divides the colours of the leaves by their maximum in each channel, which becomes the colour of the
-/// material, so that formats without colours of copies have a similar one.
-Vec3 move_to_material(std::vector<Rgb>& colors) {
-    constexpr float kMin = 1e-4f;
-    Box3 range{{kMin, kMin, kMin}, {kMin, kMin, kMin}};
-    for (const Rgb& color : colors) range.extend(to_linear(color));
-    for (Rgb& color : colors) {
-        const Vec3 c = to_linear(color);
-        color = to_srgb(Vec3{c.x / range.high.x, c.y / range.high.y, c.z / range.high.z});
-    }
-    return range.high;
-}
-
-/// The leaves of a tree as files and pictures contain them.
-struct PlacedLeaves {
-    std::vector<Prototype> prototypes;
-    Foliage foliage;
-    MaterialFiles material{.name = "leaf", .double_sided = true};
-};
-
-PlacedLeaves make_placed_leaves(Run& run, const LeafSpecies& species, int count, const Skeleton& skeleton) {
-    PlacedLeaves out;
-    const std::vector<LeafModel> models =
-        run.stage("models", [&](const Context&) { return make_leaves(species.shape, count); });
-    out.foliage = run.stage(
-        "leaves", [&](const Context& ctx) { return place_leaves(skeleton, models, species.rules, ctx); });
-    for (std::size_t i = 0; i < models.size(); ++i) {
-        out.prototypes.push_back(models[i].prototype);
-        out.prototypes.back().name = fmt::format("leaf_{}", i + 1);
-    }
-    out.material.base_color = move_to_material(out.foliage.instances.colors);
-    return out;
-}
-
 /// Writes the image of the tree.
-void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
-    constexpr float kTransmission = 0.45f;  // of a leaf relative to its reflection [Jacquemoud1990]
+void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, const SurfaceLeaves& leaves) {
     PolygonMesh mesh = to_polygons(wood);
     if (wood.texture) mesh.texture.assign(wood.texture->points.begin(), wood.texture->points.end());
     const FaceMaterials bark = run.stage("read images", [&](const Context& ctx) {
         return load_face_materials(flags.write.materials, wood.slots, ctx);
     });
-    const RenderMaterial leaf{.base_color = leaves.material.base_color, .transmission = kTransmission};
-    const RenderScene scene{.mesh = &mesh,
-                            .materials = bark.materials,
-                            .face_materials = bark.of_face,
-                            .instances = &leaves.foliage.instances,
-                            .prototypes = leaves.prototypes,
-                            .prototype_materials = {&leaf, 1}};
-    const Image image =
-        run.stage("render", [&](const Context& ctx) { return render(scene, flags.render, ctx); });
-    run.stage("write image", [&](const Context&) { write_picture(flags.image, image); });
+    write_leafed_picture(run, flags.image, mesh, bark, &leaves, flags.render);
 }
 
-void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, const PlacedLeaves& leaves) {
+void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, const SurfaceLeaves& leaves) {
     MeshWriteOptions write = flags.write;
-    write.parts = {leaves.prototypes, {&leaves.material, 1}, &leaves.foliage.instances, flags.storage};
+    write.parts = leaves.parts(flags.storage);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs) write_surface(output, wood, write, ctx);
     });
@@ -158,10 +115,11 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
         moved = use_tile_of_image(run, given, flags.write.materials.front().color, mesh.texture);
     }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
-    const PlacedLeaves leaves = make_placed_leaves(run, species, flags.models, file.skeleton);
-    const FoliageReport& report = leaves.foliage.report;
-    visit_figures(report, [&](const char* name, auto value) { run.counts()[name] = value; });
-    if (report.leaves == 0) {
+    const SurfaceLeaves leaves = run.stage("leaves", [&](const Context& ctx) {
+        return make_surface_leaves(file.skeleton, species, flags.branchlets, flags.models, ctx);
+    });
+    const std::string summary = count_leaves(run, leaves);
+    if (leaves.tree.foliage.report.leaves == 0) {
         run.warn(fmt::format("the tree has no leaves in {}; change --season, --max-radius or --min-order",
                              name_of(species.rules.season)));
     }
@@ -171,10 +129,8 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
     if (!flags.outputs.empty()) write_tree(run, flags, wood, leaves);
     if (!flags.image.empty()) write_image(run, flags, wood, leaves);
     const Verdict verdict = judge(run, wood, file.skeleton, mesh.control);
-    run.finish(fmt::format(
-        "{}: {} leaves of {:.3g} m2 on {} shoots, leaf area index {:.3g}, {} removed in wood; {}{}{}",
-        flags.skeleton.string(), grouped(report.leaves), report.leaf_area, grouped(report.shoots),
-        report.leaf_area_index, grouped(report.inside_wood), count_surface(run, wood), verdict.text, moved));
+    run.finish(fmt::format("{}: {}; {}{}{}", flags.skeleton.string(), summary, count_surface(run, wood),
+                           verdict.text, moved));
     return kDone;
 }
 
@@ -190,11 +146,9 @@ Command leaves_command() {
                     "Tree with its leaves to write (.glb, .usda, .obj, .ply, .stl); may be repeated.");
     options.output("--image", "PNG", flags->image, "Image of the tree with its leaves to write (.png).");
     options.may_replace("--output", "species");  // not a file
-    options.value({{"models", "Number of different leaves.", Unit::none, 1, 1000}, &flags->models});
-    options.value({{"instances",
-                    "Storage of leaves: instanced once with their places (.glb, .usda), or merged meshes for "
-                    "programs that do not read instances."},
-                   choice_of(flags->storage)});
+    options.value(
+        {{"models", "Number of different leaves, or branchlets.", Unit::none, 1, 1000}, &flags->models});
+    options.value({{"instances", kInstancesHelp}, choice_of(flags->storage)});
     options.fields(
         flags->rules, "Places; the defaults are replaced by those of the species",
         {.names = {{"internode", "--leaf-internode"},
@@ -204,6 +158,8 @@ Command leaves_command() {
          .common = MemberNames{"season", "max_radius", "shoot_length", "density", "size", "seed"}});
     options.fields(flags->shape, "Shape of a leaf; the defaults are replaced by those of the species",
                    {.prefix = "leaf", .common = MemberNames{}});
+    options.fields(flags->branchlets, "Branchlets: twigs with leaves that continue the branches",
+                   {.prefix = "branchlet", .common = MemberNames{"length"}});
     options.fields(flags->mesh, "Surface", surface_flag_names(MemberNames{"levels"}));
     add_material_options(options, flags->materials);
     options.fields(flags->render, "Picture", {.common = MemberNames{}});

@@ -34,6 +34,7 @@ class Gatherer {
         if (!surface.texture.empty()) part.texture = surface.texture;
         if (!surface.texture_blends.empty()) part.texture_blends = surface.texture_blends;
         add(part, surface.material ? number_material(*surface.material) : kNoIndex);
+        if (surface.leaves) add_leaves(*surface.leaves);
     }
     void operator()(const Skeleton& s) {
         const Vec3 shift = compute_shift(s.origin());
@@ -76,6 +77,12 @@ class Gatherer {
     std::vector<std::uint32_t> face_materials() {
         return materials_.empty() ? std::vector<std::uint32_t>() : std::move(face_materials_);
     }
+    Instances& leaves() {
+        leaves_.origin = origin_.value_or(Vec3d{});
+        return leaves_;
+    }
+    std::vector<Prototype>& prototypes() { return prototypes_; }
+    std::vector<RenderMaterial>& leaf_materials() { return leaf_materials_; }
     std::optional<Skeleton> skeleton() {
         if (positions_.empty()) return {};
         return Skeleton(std::move(parents_), std::move(positions_), std::move(radii_),
@@ -103,6 +110,25 @@ class Gatherer {
         const auto index = static_cast<std::uint32_t>(found - materials_.begin());
         if (found == materials_.end()) materials_.push_back(material);
         return index;
+    }
+    void add_leaves(const SurfaceLeaves& leaves) {
+        const Instances& from = leaves.tree.foliage.instances;
+        const Vec3 shift = compute_shift(from.origin);
+        const auto first = static_cast<std::uint32_t>(prototypes_.size());
+        const auto first_material = static_cast<std::uint32_t>(leaf_materials_.size());
+        for (const Prototype& p : leaves.tree.prototypes) {
+            prototypes_.push_back(p);
+            prototypes_.back().material += first_material;
+        }
+        for (RenderMaterial& material : make_render_materials(leaves))
+            leaf_materials_.push_back(std::move(material));
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            leaves_.prototypes.push_back(first + from.prototypes[i]);
+            leaves_.positions.push_back(from.positions[i] + shift);
+        }
+        leaves_.rotations.insert(leaves_.rotations.end(), from.rotations.begin(), from.rotations.end());
+        leaves_.scales.insert(leaves_.scales.end(), from.scales.begin(), from.scales.end());
+        leaves_.colors.insert(leaves_.colors.end(), from.colors.begin(), from.colors.end());
     }
     void add(const PolygonMesh& part, std::uint32_t material) {
         const Vec3 shift = compute_shift(part.origin);
@@ -133,6 +159,9 @@ class Gatherer {
     std::vector<NodeId> parents_;
     std::vector<Vec3> positions_;
     std::vector<float> radii_;
+    Instances leaves_;
+    std::vector<Prototype> prototypes_;
+    std::vector<RenderMaterial> leaf_materials_;
 };
 
 }  // namespace
@@ -152,6 +181,9 @@ Drawing::Drawing(std::span<const ObjectPtr> objects, float point_radius, const S
     mesh_ = gatherer.mesh();
     skeleton_ = gatherer.skeleton();
     face_materials_ = gatherer.face_materials();
+    leaves_ = std::move(gatherer.leaves());
+    prototypes_ = std::move(gatherer.prototypes());
+    leaf_materials_ = std::move(gatherer.leaf_materials());
     load_materials(gatherer.materials(), call, quiet);
 }
 

@@ -9,8 +9,8 @@
 
 namespace coppice {
 
-/// Renderable geometry of several objects: solids as surfaces, meshes with their materials, points as small
-/// balls, paths as thin tubes. Profiles cannot be drawn.
+/// Renderable geometry of several objects: solids as surfaces, meshes with their materials and leaves, points
+/// as small balls, paths as thin tubes. Profiles cannot be drawn.
 class Drawing {
   public:
     /// `point_radius` [m] is the radius of the balls; 0 = computed from the extent of the points. Throws
@@ -23,6 +23,9 @@ class Drawing {
         return {.mesh = mesh_ ? &*mesh_ : nullptr,
                 .materials = materials_,
                 .face_materials = face_materials_,
+                .instances = leaves_.empty() ? nullptr : &leaves_,
+                .prototypes = prototypes_,
+                .prototype_materials = leaf_materials_,
                 .skeleton = skeleton_ ? &*skeleton_ : nullptr,
                 .deviation = {}};
     }
@@ -35,6 +38,9 @@ class Drawing {
     std::optional<Skeleton> skeleton_;
     std::vector<std::uint32_t> face_materials_;  ///< empty without materials
     std::vector<RenderMaterial> materials_;
+    Instances leaves_;
+    std::vector<Prototype> prototypes_;
+    std::vector<RenderMaterial> leaf_materials_;
 };
 
 }  // namespace coppice

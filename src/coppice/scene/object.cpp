@@ -60,9 +60,16 @@ std::string described(const Surface& surface) {
             vertices = mesh.positions.size();
         },
         surface.mesh);
-    return fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n{}", face_count(surface), vertices,
-                       box_text(box, origin),
-                       surface.material ? fmt::format("material   {}\n", surface.material->files.name) : "");
+    std::string text =
+        fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n{}", face_count(surface), vertices,
+                    box_text(box, origin),
+                    surface.material ? fmt::format("material   {}\n", surface.material->files.name) : "");
+    if (surface.leaves) {
+        const FoliageReport& report = surface.leaves->tree.foliage.report;
+        text += fmt::format("leaves     {}\nleaf_m2    {:.6g}\nleaf_index {:.6g}\n", report.leaves,
+                            report.leaf_area, report.leaf_area_index);
+    }
+    return text;
 }
 
 std::string described(const SurfaceMaterial& material) {
@@ -115,7 +122,8 @@ std::uint64_t compute_memory(const Surface& surface) {
     const std::uint64_t blends =
         surface.texture_blends.size() + (polygons == nullptr ? 0 : polygons->texture_blends.size());
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t) +
-           corners * sizeof(TexturePoint) + blends * sizeof(TextureBlend);
+           corners * sizeof(TexturePoint) + blends * sizeof(TextureBlend) +
+           (surface.leaves ? compute_memory(*surface.leaves) : 0);
 }
 
 std::string describe_object(const SceneObject& object) {

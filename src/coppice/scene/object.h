@@ -17,6 +17,7 @@
 #include "coppice/io_skeleton/node_attribute.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_set.h"
+#include "coppice/scene/surface_leaves.h"
 #include "coppice/scene/surface_material.h"
 #include "coppice/skeleton/skeleton.h"
 
@@ -40,8 +41,9 @@ struct Surface {
     std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< in the original representation
     Buffer<TexturePoint> texture =
         {};  ///< per corner; empty if there are no coordinates, or polygons hold them
-    Buffer<TextureBlend> texture_blends = {};      ///< the second set; per corner, or empty
-    std::optional<SurfaceMaterial> material = {};  ///< of surfaces with texture coordinates
+    Buffer<TextureBlend> texture_blends = {};          ///< the second set; per corner, or empty
+    std::optional<SurfaceMaterial> material = {};      ///< of surfaces with texture coordinates
+    std::shared_ptr<const SurfaceLeaves> leaves = {};  ///< null without leaves
 };
 /// Returns the surface as polygons.
 PolygonMesh make_polygons(const Surface& surface);

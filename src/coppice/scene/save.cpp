@@ -113,7 +113,8 @@ void check_file_name(const SceneObject& object, const std::filesystem::path& pat
                                    with_article(kind), find_hint(kind)));
 }
 
-void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx) {
+void save_object(const SceneObject& object, const std::filesystem::path& path, InstanceStorage storage,
+                 const Context& ctx) {
     check_file_name(object, path);
     if (const auto* points = std::get_if<PointSet>(&object.value)) {
         write_points(path, *points, ctx);
@@ -123,6 +124,7 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, c
         const auto& surface = std::get<Surface>(object.value);
         MeshWriteOptions options{.texture = surface.texture, .texture_blends = surface.texture_blends};
         if (surface.material) options.materials = {write_images(*surface.material, path, ctx)};
+        if (surface.leaves) options.parts = surface.leaves->parts(storage);
         std::visit([&](const auto& mesh) { write_mesh(path, mesh, options, ctx); }, surface.mesh);
     }
 }

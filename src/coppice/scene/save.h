@@ -20,8 +20,15 @@ void check_scene_output(std::span<const SceneCommand* const> commands, const std
 /// Throws InvalidInput if the extension does not suit the object.
 void check_file_name(const SceneObject& object, const std::filesystem::path& path);
 
-/// Writes points, a skeleton or a mesh; the file appears complete or not at all. Throws as the writers do.
-void save_object(const SceneObject& object, const std::filesystem::path& path, const Context& ctx = {});
+/// Writes points, a skeleton or a mesh, with its leaves stored as `storage` says; the file appears complete
+/// or not at all. Throws as the writers do.
+void save_object(const SceneObject& object, const std::filesystem::path& path, InstanceStorage storage,
+                 const Context& ctx = {});
+/// The same with leaves as instances.
+inline void save_object(const SceneObject& object, const std::filesystem::path& path,
+                        const Context& ctx = {}) {
+    save_object(object, path, InstanceStorage::instanced, ctx);
+}
 
 /// Returns a scene that creates bit-identical objects.
 std::string make_recipe(const SceneState& state);

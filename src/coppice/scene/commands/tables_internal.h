@@ -21,6 +21,7 @@ std::vector<SceneCommand> session_commands();
 SceneCommand slice_command();    ///< used by session_commands
 SceneCommand extract_command();  ///< used by tree_commands
 SceneCommand sketch_command();   ///< used by tree_commands
+SceneCommand leaves_command();   ///< used by tree_commands
 
 namespace table {
 

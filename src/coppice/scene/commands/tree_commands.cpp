@@ -6,6 +6,7 @@
 
 #include "coppice/growth/grow.h"
 #include "coppice/growth/radii.h"
+#include "coppice/growth/size.h"
 #include "coppice/growth/sprout.h"
 #include "coppice/growth/tidy.h"
 #include "coppice/implicit/shape/curve.h"
@@ -224,6 +225,18 @@ SceneCommand radii_command() {
     return c;
 }
 
+SceneCommand size_command() {
+    SceneCommand c = in_group("size", "Scale a tree to a height, and its radii to a diameter of its stem.",
+                              "copy tree other kind=skeleton\nsize other height=80 dbh=6 tip_radius=0.1");
+    c.arguments = {tree("Tree to change.")};
+    add_options(c.arguments, SizeOptions{}, "size");
+    c.run = [](const SceneCall& call) {
+        const std::string& name = call.text("tree");
+        return makes_tree(name, with_size(call.skeleton(name), call.options<SizeOptions>("size")));
+    };
+    return c;
+}
+
 SceneCommand tidy_command() {
     SceneCommand c =
         in_group("tidy", "Smooth a grown tree and remove very short segments.", "tidy tree smooth_passes=3");
@@ -350,8 +363,9 @@ SceneCommand mesh_command() {
 }  // namespace
 
 std::vector<SceneCommand> tree_commands() {
-    return {grow_command(),     sprout_command(), limb_command(),    radii_command(),  tidy_command(),
-            loadtree_command(), mesh_command(),   extract_command(), sketch_command(), join_command()};
+    return {grow_command(),   sprout_command(),  limb_command(),     radii_command(),
+            size_command(),   tidy_command(),    loadtree_command(), mesh_command(),
+            leaves_command(), extract_command(), sketch_command(),   join_command()};
 }
 
 }  // namespace coppice
