@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "coppice/mesh/topology.h"
 #include "coppice/render/colors.h"
 #include "coppice/skeleton/assemble.h"
@@ -17,7 +20,7 @@ struct Named {
 };
 
 struct Loaded {
-    std::vector<Named<PolygonMesh>> meshes;
+    std::vector<Named<MeshFile>> meshes;
     std::vector<Named<PointCloud>> clouds;
     std::vector<Named<SkeletonFile>> skeletons;
 };
@@ -38,9 +41,10 @@ class Colors {
     std::size_t count_ = 0;
 };
 
-Loaded load(Run& run, std::span<const std::filesystem::path> files, const ReadSkeletonOptions& read,
-            const ReadPointsOptions& read_points) {
+Loaded load(Run& run, std::span<const std::filesystem::path> files, const std::string& attribute,
+            const ReadSkeletonOptions& read, const ReadPointsOptions& read_points) {
     Loaded out;
+    const std::span attributes(&attribute, attribute.empty() ? 0 : 1);
     for (const std::filesystem::path& path : files) {
         const FileKind kind = kind_of_input(path, read.format);
         if (kind == FileKind::skeleton) {
@@ -51,8 +55,8 @@ Loaded load(Run& run, std::span<const std::filesystem::path> files, const ReadSk
             out.clouds.push_back(
                 {path.string(), load_point_file(run, path, columns, read.up, read_points).point_cloud});
         } else {
-            out.meshes.push_back({path.string(), load_mesh(run, path, read.up)});
-            validate(out.meshes.back().object);
+            out.meshes.push_back({path.string(), load_mesh_file(run, path, attributes, read.up)});
+            validate(out.meshes.back().object.mesh);
         }
     }
     return out;
@@ -70,18 +74,33 @@ void append(PolygonMesh& mesh, const PolygonMesh& other) {
     }
 }
 
-void join_meshes(std::vector<Named<PolygonMesh>> meshes, Colors& colors, DrawnObjects& out) {
+/// Meshes without the attribute have NaN.
+void join_values(std::span<const Named<MeshFile>> meshes, DrawnObjects& out) {
+    if (std::ranges::all_of(meshes, [](const auto& named) { return named.object.attributes.empty(); }))
+        return;
+    for (const auto& [name, file] : meshes) {
+        const std::size_t end = out.vertex_values.size() + file.mesh.positions.size();
+        if (!file.attributes.empty()) {
+            const Buffer<float>& values = file.attributes.front().values;
+            out.vertex_values.insert(out.vertex_values.end(), values.begin(), values.end());
+        }
+        out.vertex_values.resize(end, std::numeric_limits<float>::quiet_NaN());
+    }
+}
+
+void join_meshes(std::vector<Named<MeshFile>> meshes, Colors& colors, DrawnObjects& out) {
     out.mesh_count = meshes.size();
     if (meshes.empty()) return;
+    join_values(meshes, out);
     if (meshes.size() == 1) {
-        out.mesh = std::move(meshes.front().object);
+        out.mesh = std::move(meshes.front().object.mesh);
         return;
     }
     out.mesh.emplace();
-    out.mesh->origin = meshes.front().object.origin;
-    for (const auto& [file, mesh] : meshes) {
-        append(*out.mesh, mesh);
-        out.mesh_colors.resize(out.mesh->positions.size(), colors.next(file));
+    out.mesh->origin = meshes.front().object.mesh.origin;
+    for (const auto& [name, file] : meshes) {
+        append(*out.mesh, file.mesh);
+        out.mesh_colors.resize(out.mesh->positions.size(), colors.next(name));
     }
 }
 
@@ -122,8 +141,9 @@ void join_skeletons(std::vector<Named<SkeletonFile>> files, Colors& colors, Draw
 }  // namespace
 
 DrawnObjects load_drawn_objects(Run& run, std::span<const std::filesystem::path> files,
-                                const ReadSkeletonOptions& read, const ReadPointsOptions& read_points) {
-    Loaded loaded = load(run, files, read, read_points);
+                                const std::string& attribute, const ReadSkeletonOptions& read,
+                                const ReadPointsOptions& read_points) {
+    Loaded loaded = load(run, files, attribute, read, read_points);
     DrawnObjects out;
     Colors colors(run);
     join_meshes(std::move(loaded.meshes), colors, out);

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "coppice/io_mesh/format.h"
-#include "coppice/io_mesh/reader.h"
 #include "coppice/io_points/writer.h"
 #include "coppice/io_sketch/sketch_file.h"
 #include "coppice/points/spacing.h"
@@ -151,10 +150,16 @@ SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const Re
 }
 
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
-    PolygonMesh mesh = run.stage("read", [&](const Context& ctx) { return read_mesh(path, ctx); });
-    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(mesh, up);
-    run.counts().update({{"vertices", mesh.positions.size()}, {"faces", mesh.face_count()}});
-    return mesh;
+    return load_mesh_file(run, path, {}, up).mesh;
+}
+
+MeshFile load_mesh_file(Run& run, const std::filesystem::path& path, std::span<const std::string> attributes,
+                        FileUp up) {
+    MeshFile file =
+        run.stage("read", [&](const Context& ctx) { return read_mesh_file(path, attributes, ctx); });
+    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(file.mesh, up);
+    run.counts().update({{"vertices", file.mesh.positions.size()}, {"faces", file.mesh.face_count()}});
+    return file;
 }
 
 PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,

@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "coppice/io_mesh/reader.h"
 #include "coppice/io_points/reader.h"
 #include "coppice/io_skeleton/reader.h"
 #include "coppice/io_skeleton/writer.h"
@@ -56,6 +58,8 @@ void check_cloud_output(const std::filesystem::path& path);
 /// it to a skeleton.
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options);
 PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z);
+MeshFile load_mesh_file(Run& run, const std::filesystem::path& path, std::span<const std::string> attributes,
+                        FileUp up);
 PointSet load_points(Run& run, const std::filesystem::path& path, FileUp up = FileUp::z,
                      const std::optional<ReadPointsOptions>& options = {});
 PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,

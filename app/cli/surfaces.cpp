@@ -150,8 +150,7 @@ std::vector<MaterialFiles> find_materials(const MaterialPrefixes& prefixes) {
     if (prefixes.bark.empty()) return out;
     for (const auto& prefix : {prefixes.bark, prefixes.twig, prefixes.cut}) {
         MaterialFiles files = prefix.empty() ? MaterialFiles{} : find_material(prefix);
-        while (std::ranges::any_of(out, [&](const auto& other) { return other.name == files.name; }))
-            files.name += "_2";
+        make_name_unique(files, out);
         out.push_back(std::move(files));
     }
     return out;
@@ -161,6 +160,16 @@ SlotOptions make_slots(const MaterialPrefixes& prefixes, SlotOptions options) {
     options.twigs = !prefixes.twig.empty();
     options.cuts = !prefixes.cut.empty();
     return options;
+}
+
+void warn_of_lost_materials(Run& run, const MaterialPrefixes& prefixes,
+                            std::span<const std::filesystem::path> outputs) {
+    if (prefixes.bark.empty()) return;
+    for (const auto& output : outputs) {
+        const auto format = mesh_format_of_name(output);
+        if (format == MeshFormat::ply || format == MeshFormat::stl)
+            run.warn(fmt::format("{} has no materials; .glb, .obj and .usda have", output.string()));
+    }
 }
 
 void check_texture(const GivenOptions& given, const TextureOptions& texture) {

@@ -45,6 +45,10 @@ std::vector<MaterialFiles> find_materials(const MaterialPrefixes& prefixes);
 /// Returns the slots that materials require.
 SlotOptions make_slots(const MaterialPrefixes& prefixes, SlotOptions options);
 
+/// Warns of files that cannot store materials.
+void warn_of_lost_materials(Run& run, const MaterialPrefixes& prefixes,
+                            std::span<const std::filesystem::path> outputs);
+
 /// Throws UsageError for options of textures that have no effect, and for a material of a surface without
 /// the coordinates that it requires.
 void check_texture(const GivenOptions& given, const TextureOptions& texture);

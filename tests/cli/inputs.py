@@ -93,6 +93,8 @@ add("bark_normal.png", picture([b"\x80\x80\xff" * 400] * 320))
 add("other_color.png", b"no image\n")
 add("twig_color.png", picture([b"\x80\x80\x80" * 400] * 320))
 add("slots.obj", "v 0 -1 0\nv 0 1 0\nv 0 1 1\nv 0 -1 1\nv 0 1 2\nv 0 -1 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\nf 1/1 2/2 3/3 4/4\nusemtl twig\nf 4/1 3/2 5/3 6/4\n")
+add("attributes.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float order\nproperty float radius\nproperty float distance\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 -1 0 0 0.1 0\n0 1 0 0 0.1 0\n0 1 2 3 0.01 2\n0 -1 2 3 0.01 2\n4 0 1 2 3\n")
 add("square.obj", "v 0 -1 0\nv 0 1 0\nv 0 1 2\nv 0 -1 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n")
 add("bar.png", picture([sky * 400] * 100 + [sky * 190 + b"\x40\x30\x20" * 20 + sky * 190] * 200 + [sky * 400] * 20))
 add("bar.sketch.json", json.dumps({"format": "coppice-sketch", "version": 1, "views": [view | {"image": "bar.png"} for view in sketch["views"]]}))

@@ -4,10 +4,13 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "coppice/base/error.h"
 #include "coppice/system/file.h"
@@ -380,6 +383,37 @@ TEST(MeshReader, ReadsTextureCoordinatesOfGlb) {
     EXPECT_EQ(error_of(textured_glb("2"), MeshFormat::glb),
               "f: mesh 0 has 2 texture coordinates for 3 vertices");
     EXPECT_EQ(error_of(textured_glb("4"), MeshFormat::glb), "f: accessor 1 extends beyond its buffer");
+}
+
+// Two nodes with a mesh each: the vertices of the first, which has no attribute, have no value.
+TEST(MeshReader, ReadsAttributesOfGlb) {
+    std::string buffer;
+    for (const float c : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 2.f, 0.f}) append(buffer, c);
+    for (const float c : {4.f, 5.f, 6.f}) append(buffer, c);
+    const auto file_with = [&](const std::string& count) {
+        return glb(R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0},{"mesh":1}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]},
+                      {"primitives":[{"attributes":{"POSITION":0,"_ORDER":1}}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                         {"bufferView":1,"componentType":5126,"type":"SCALAR","count":)" +
+                       count + R"(}],
+            "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12}],
+            "buffers":[{"byteLength":48}]})",
+                   buffer);
+    };
+    const std::vector<std::string> names{"order", "radius"};
+    const MeshFile file = parse_mesh_file(file_with("3"), MeshFormat::glb, "f", names);
+    ASSERT_EQ(file.attributes.size(), 1u);
+    const Buffer<float>& values = file.attributes[0].values;
+    ASSERT_EQ(values.size(), 6u);
+    for (std::size_t v = 0; v < 3; ++v) EXPECT_TRUE(std::isnan(values[v]));
+    EXPECT_EQ(Buffer<float>(values.begin() + 3, values.end()), (Buffer<float>{4, 5, 6}));
+    try {
+        parse_mesh_file(file_with("2"), MeshFormat::glb, "f", names);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        EXPECT_STREQ(error.what(), "f: mesh 1 has 2 values of an attribute for 3 vertices");
+    }
 }
 
 TEST(MeshReader, ReportsGlbErrors) {

@@ -237,7 +237,18 @@ TEST_F(MeshWriter, WritesAttributesOfVertices) {
     const std::string ply = written("a.ply", mesh, {.texture = mesh.texture, .attributes = attributes});
     EXPECT_NE(ply.find("property float t\nproperty float order\nproperty float radius\n"), std::string::npos);
     EXPECT_TRUE(contains(ply, std::array<float, 7>{1, 1, 0, 0, 1, 2, 7}));  // the seventh vertex
-    EXPECT_EQ(read_mesh(folder_ / "a.ply").positions.size(), 6u);
+    for (const char* name : {"a.ply", "a.glb"}) {
+        const std::vector<std::string> names{"order", "radius"};
+        const MeshFile file = read_mesh_file(folder_ / name, names);  // welded again
+        ASSERT_EQ(file.mesh.positions.size(), 6u) << name;
+        ASSERT_EQ(file.attributes.size(), 2u) << name;
+        for (std::size_t v = 0; v < 6; ++v) {
+            const Vec3 p = file.mesh.positions[v];
+            const auto at = std::ranges::find(mesh.positions, p) - mesh.positions.begin();
+            EXPECT_EQ(file.attributes[0].values[v], static_cast<float>(at)) << name;
+            EXPECT_EQ(file.attributes[1].values[v], 7) << name;
+        }
+    }
     EXPECT_NE(
         written("a.usda", mesh, {.attributes = attributes})
             .find("float[] primvars:order = [0, 1, 2, 3, 4, 5] (\n            interpolation = \"vertex\""),

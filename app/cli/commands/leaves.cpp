@@ -127,6 +127,7 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, mesh, ctx); });
     run.add_stages("mesh: ", wood.stages);
     if (!flags.outputs.empty()) write_tree(run, flags, wood, leaves);
+    warn_of_lost_materials(run, flags.materials, flags.outputs);
     if (!flags.image.empty()) write_image(run, flags, wood, leaves);
     const Verdict verdict = judge(run, wood, file.skeleton, mesh.control);
     run.finish(fmt::format("{}: {}; {}{}{}", flags.skeleton.string(), summary, count_surface(run, wood),

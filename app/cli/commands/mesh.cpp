@@ -251,16 +251,6 @@ std::filesystem::path find_tiled_image(const MeshFlags& flags, const MeshWriteOp
     return flags.heights.empty() ? std::filesystem::path() : height_file(flags.heights);
 }
 
-/// Warns of outputs that cannot store the materials of twigs and cuts.
-void tell_lost_materials(Run& run, const MeshFlags& flags) {
-    if (!flags.materials.has_slots()) return;
-    for (const auto& output : flags.outputs) {
-        const auto format = mesh_format_of_name(output);
-        if (format == MeshFormat::ply || format == MeshFormat::stl)
-            run.warn(fmt::format("{} has no materials; .glb, .obj and .usda have", output.string()));
-    }
-}
-
 ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     check_flags(flags);
     check_given(given, flags.mesh, flags.number.faces);
@@ -289,7 +279,7 @@ ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     const Verdict verdict =
         flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
-    tell_lost_materials(run, flags);
+    warn_of_lost_materials(run, flags.materials, flags.outputs);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),
                            grouped(file.skeleton.size()), grouped(file.report.total()), figures, verdict.text,
                            made.planned, moved));

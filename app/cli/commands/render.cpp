@@ -78,8 +78,31 @@ float point_radius(Run& run, const PointSet& points, const RenderFlags& flags) {
     return static_cast<float>(std::max(spacing, least) / 2);
 }
 
-Inputs load(Run& run, const RenderFlags& flags) {
-    Inputs in{load_drawn_objects(run, flags.inputs, flags.read, flags.read_points), 0, {}, {}};
+/// Returns the numbers of vertices that a colour shows; empty if it shows none.
+std::string find_attribute(RenderColor color) {
+    switch (color) {
+        case RenderColor::order:
+        case RenderColor::branch:
+        case RenderColor::radius:
+            return std::string(name_of(color));
+        case RenderColor::along:
+            return "distance";
+        case RenderColor::plain:
+        case RenderColor::signal:
+        case RenderColor::deviation:
+        case RenderColor::distance:
+        case RenderColor::evidence:
+            break;
+    }
+    return {};
+}
+
+Inputs load(Run& run, const RenderFlags& flags, RenderColor color) {
+    Inputs in{load_drawn_objects(run, flags.inputs, find_attribute(color), flags.read, flags.read_points),
+              0,
+              {},
+              {}};
+    if (in.skeleton && color == RenderColor::radius) in.vertex_values.clear();  // the skeleton has radii
     if (in.cloud) in.point_radius = point_radius(run, in.cloud->points, flags);
     return in;
 }
@@ -225,7 +248,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
     check_flags(flags);
     RenderOptions options = flags.render;
     const Backdrop backdrop = load_backdrop(run, flags, options);
-    Inputs in = load(run, flags);
+    Inputs in = load(run, flags, options.color);
     const FaceMaterials materials = load_mesh_materials(run, flags, in, options.color);
     if (!flags.distance_to.empty()) {
         load_other(run, flags, in);
@@ -242,8 +265,17 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
         throw UsageError(
             "--color deviation requires a mesh and its skeleton: coppice render MESH SKELETON -o PNG");
     }
-    if (options.color == RenderColor::radius && !in.skeleton)
-        throw UsageError("--color radius requires a skeleton: coppice render MESH SKELETON -o PNG");
+    const std::string attribute = find_attribute(options.color);
+    const bool has_radii = options.color == RenderColor::radius && in.skeleton;
+    if (!attribute.empty() && in.vertex_values.empty() && !has_radii) {
+        throw UsageError(fmt::format(
+            "--color {} requires {}a .glb or .ply mesh with the attribute '{}' of vertices: coppice mesh "
+            "SKELETON --attributes -o MESH.glb",
+            name_of(options.color),
+            options.color == RenderColor::radius ? "a skeleton (coppice render MESH SKELETON -o PNG), or "
+                                                 : "",
+            attribute));
+    }
     if (options.color == RenderColor::evidence && in.evidence.empty()) {
         throw UsageError(
             "--color evidence requires a skeleton with evidence, as coppice extract CLOUD writes it to .json "
@@ -262,6 +294,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
                             .point_radius = in.point_radius,
                             .skeleton = in.skeleton ? &*in.skeleton : nullptr,
                             .deviation = deviation,
+                            .vertex_values = in.vertex_values,
                             .evidence = in.evidence,
                             .mesh_colors = in.mesh_colors,
                             .skeleton_colors = in.skeleton_colors,

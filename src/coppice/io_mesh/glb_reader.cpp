@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "coppice/io_mesh/glb_names_internal.h"
 #include "coppice/io_mesh/read_internal.h"
 #include "coppice/system/file_progress.h"
 
@@ -122,15 +123,16 @@ struct Elements {
 
 class GlbParser {
   public:
-    GlbParser(std::string_view bytes, const std::string& source, const Context& ctx)
-        : mesh_(source),
+    GlbParser(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+              const Context& ctx)
+        : mesh_(source, attributes),
           stop_{.threads = ctx.threads, .stop = ctx.stop},
           allowed_((std::size_t{1} << 25) + 8 * bytes.size()) {
         split(bytes);
         refuse_compression();
     }
 
-    PolygonMesh parse() {
+    MeshFile parse() {
         visited_.assign(array(document_, "nodes").size(), false);
         std::vector<std::pair<std::uint64_t, Affine>> stack;
         push(stack, roots(), {});
@@ -146,7 +148,7 @@ class GlbParser {
         }
         if (!texture_.empty() && mesh_.face_count() > 0)
             mesh_.set_vertex_texture(std::move(texture_), std::move(blends_), stop_);
-        return mesh_.take();
+        return mesh_.take_file();
     }
 
   private:
@@ -305,9 +307,9 @@ class GlbParser {
     // --- geometry ---
 
     void add_mesh(std::uint64_t index, const Affine& transform) {
-        // Accessors with positions and texture coordinates already in the mesh: primitives share them.
+        // Accessors of vertices already in the mesh: primitives share them.
         using Accessor = std::optional<std::uint64_t>;
-        std::map<std::array<Accessor, 4>, std::uint32_t> placed;
+        std::map<std::vector<Accessor>, std::uint32_t> placed;
         for (const json& primitive : array(item("meshes", index), "primitives")) {
             const std::uint64_t mode = find_index(primitive, "mode").value_or(4);
             if (mode < 4) continue;  // points and lines
@@ -320,12 +322,16 @@ class GlbParser {
             const auto texture = find_index(*attributes, "TEXCOORD_0");
             const auto second = find_index(*attributes, "TEXCOORD_1");
             const auto blend = find_index(*attributes, "_BLEND");
-            const auto [it, is_new] = placed.try_emplace({position, texture, second, blend},
-                                                         static_cast<std::uint32_t>(mesh_.vertex_count()));
+            std::vector<Accessor> accessors{position, texture, second, blend};
+            for (const VertexAttribute& a : mesh_.attributes())
+                accessors.push_back(find_index(*attributes, glb_attribute_name(a.name).c_str()));
+            const auto [it, is_new] =
+                placed.try_emplace(accessors, static_cast<std::uint32_t>(mesh_.vertex_count()));
             if (is_new) {
                 add_positions(positions, transform);
                 if (texture) add_texture(*texture, positions.count, index);
                 if (texture && second && blend) add_blends(*second, *blend, positions.count, index);
+                add_attributes(std::span(accessors).subspan(4), positions.count, index);
             }
             mesh_.begin_group(group_name(item("meshes", index), primitive));
             add_triangles(primitive, index, it->second, positions.count, transform.determinant() < 0);
@@ -378,13 +384,29 @@ class GlbParser {
         }
     }
 
-    /// Returns the elements of an accessor with one for every vertex.
+    /// Adds the attributes of the last vertices.
+    void add_attributes(std::span<const std::optional<std::uint64_t>> accessors, std::size_t vertices,
+                        std::uint64_t mesh) {
+        const std::size_t first = mesh_.vertex_count() - vertices;
+        for (std::size_t a = 0; a < accessors.size(); ++a) {
+            if (!accessors[a]) continue;
+            const Elements values =
+                vertex_elements(*accessors[a], "SCALAR", 1, vertices, "values of an attribute", mesh);
+            for (std::size_t i = 0; i < vertices; ++i) mesh_.set_attribute(a, first + i, values.number(i, 0));
+        }
+    }
+
     Elements texture_elements(std::uint64_t accessor, const char* type, std::size_t components,
                               std::size_t vertices, std::uint64_t mesh) const {
+        return vertex_elements(accessor, type, components, vertices, "texture coordinates", mesh);
+    }
+
+    /// Returns the elements of an accessor with one for every vertex; errors name them as `things`.
+    Elements vertex_elements(std::uint64_t accessor, const char* type, std::size_t components,
+                             std::size_t vertices, const char* things, std::uint64_t mesh) const {
         const Elements out = elements(accessor, type, components);
         if (out.count != vertices) {
-            fail(
-                fmt::format("mesh {} has {} texture coordinates for {} vertices", mesh, out.count, vertices));
+            fail(fmt::format("mesh {} has {} {} for {} vertices", mesh, out.count, things, vertices));
         }
         return out;
     }
@@ -482,8 +504,9 @@ class GlbParser {
 
 }  // namespace
 
-PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx) {
-    return GlbParser(bytes, source, ctx).parse();
+MeshFile parse_glb(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+                   const Context& ctx) {
+    return GlbParser(bytes, source, attributes, ctx).parse();
 }
 
 }  // namespace coppice::io_internal

@@ -9,6 +9,7 @@
 #include "coppice/base/progress.h"
 #include "coppice/io_mesh/glb_copies_internal.h"
 #include "coppice/io_mesh/glb_materials_internal.h"
+#include "coppice/io_mesh/glb_names_internal.h"
 #include "coppice/io_mesh/material_internal.h"
 
 namespace coppice::io_internal {
@@ -67,12 +68,6 @@ void write_attribute(AtomicFile& file, const VertexAttribute& attribute,
     });
 }
 
-// Returns the name of an attribute in glTF: `_ORDER` of `order`.
-std::string glb_name(std::string name) {
-    for (char& c : name) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-    return "_" + name;
-}
-
 }  // namespace
 
 void split_mesh(const MeshView& given, bool for_tangents, std::optional<SplitMesh>& out, const Context& ctx) {
@@ -105,7 +100,8 @@ json describe_attributes(const MeshView& mesh, const std::optional<SplitMesh>& s
         out["TEXCOORD_1"] = add(sizeof(TexturePoint), "VEC2");
         out["_BLEND"] = add(sizeof(float), "SCALAR");
     }
-    for (const VertexAttribute& a : mesh.attributes) out[glb_name(a.name)] = add(sizeof(float), "SCALAR");
+    for (const VertexAttribute& a : mesh.attributes)
+        out[glb_attribute_name(a.name)] = add(sizeof(float), "SCALAR");
     return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <system_error>
 
 #include "coppice/base/error.h"
@@ -136,6 +137,11 @@ std::string make_material_name(std::string text) {
     // Names in USD begin with a letter or an underscore.
     if (text.empty() || (text[0] >= '0' && text[0] <= '9')) text.insert(0, "bark_");
     return text;
+}
+
+void make_name_unique(MaterialFiles& material, std::span<const MaterialFiles> others) {
+    while (std::ranges::any_of(others, [&](const auto& other) { return other.name == material.name; }))
+        material.name += "_2";
 }
 
 MaterialFiles find_material(const std::filesystem::path& prefix) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 
 #include "coppice/base/vec.h"
@@ -31,6 +32,9 @@ struct MaterialFiles {
 
 /// Returns the text as a name of a material that every format accepts: letters, digits and underscores.
 std::string make_material_name(std::string text);
+
+/// Extends the name of a material until no other one has it.
+void make_name_unique(MaterialFiles& material, std::span<const MaterialFiles> others);
 
 /// Returns the images with names that begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
 /// and, where they exist, PREFIX_normal.png, PREFIX_roughness.png, PREFIX_occlusion.png and PREFIX_orm.png.

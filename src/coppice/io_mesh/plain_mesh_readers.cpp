@@ -15,13 +15,14 @@ namespace {
 
 class PlyMeshParser {
   public:
-    PlyMeshParser(std::string_view bytes, const std::string& source, const Context& ctx)
+    PlyMeshParser(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+                  const Context& ctx)
         : header_(parse_ply_header(bytes, source)),
           rows_(bytes, header_, source, ctx),
           ctx_(ctx),
-          mesh_(source) {}
+          mesh_(source, attributes) {}
 
-    PolygonMesh parse() {
+    MeshFile parse() {
         for (const PlyElement& element : header_.elements) {
             rows_.begin_element(element);
             if (element.name == "vertex") {
@@ -37,7 +38,7 @@ class PlyMeshParser {
         }
         if (!texture_.empty() && mesh_.face_count() > 0)
             mesh_.set_vertex_texture(std::move(texture_), std::move(blends_), ctx_);
-        return mesh_.take();
+        return mesh_.take_file();
     }
 
   private:
@@ -54,12 +55,21 @@ class PlyMeshParser {
         const auto t1 = element.find({"t1"});
         const auto blend = element.find({"blend"});
         const bool has_blends = s && t && s1 && t1 && blend;
+        std::vector<std::optional<std::size_t>> attributes;
+        for (const VertexAttribute& a : mesh_.attributes()) {
+            const auto found = element.find({std::string_view(a.name)});
+            attributes.push_back(found && element.properties[*found].is_list() ? std::nullopt : found);
+        }
         mesh_.reserve_vertices(element.count);
         if (has_blends) blends_.resize(mesh_.vertex_count(), TextureBlend{});
         if (s && t) texture_.resize(mesh_.vertex_count(), TexturePoint{});  // of other elements
         for (std::uint64_t i = 0; i < element.count; ++i) {
             rows_.read(row_);
             mesh_.add_numbered_vertex({scalar(element, *x), scalar(element, *y), scalar(element, *z)});
+            for (std::size_t k = 0; k < attributes.size(); ++k) {
+                if (attributes[k])
+                    mesh_.set_attribute(k, mesh_.vertex_count() - 1, row_.scalar(*attributes[k]));
+            }
             if (!s || !t) continue;
             texture_.push_back(mesh_.numbered_texture_point(mesh_.vertex_count() - 1, scalar(element, *s),
                                                             scalar(element, *t)));
@@ -172,8 +182,9 @@ bool is_ascii_stl(std::string_view bytes) {
 
 }  // namespace
 
-PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx) {
-    return PlyMeshParser(bytes, source, ctx).parse();
+MeshFile parse_ply(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+                   const Context& ctx) {
+    return PlyMeshParser(bytes, source, attributes, ctx).parse();
 }
 
 PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx) {

@@ -11,6 +11,7 @@
 #include "coppice/base/context.h"
 #include "coppice/base/error.h"
 #include "coppice/base/vec.h"
+#include "coppice/io_mesh/reader.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 
@@ -19,7 +20,10 @@ namespace coppice::io_internal {
 /// Collects the faces and double-precision positions of a reader.
 class MeshBuilder {
   public:
-    explicit MeshBuilder(std::string source) : source_(std::move(source)) {}
+    explicit MeshBuilder(std::string source, std::span<const std::string> attributes = {})
+        : source_(std::move(source)) {
+        for (const std::string& name : attributes) attributes_.push_back({name, {}});
+    }
 
     const std::string& source() const { return source_; }
     std::size_t vertex_count() const { return vertices_.size(); }
@@ -57,12 +61,21 @@ class MeshBuilder {
     void set_vertex_texture(Buffer<TexturePoint> of_vertices, Buffer<TextureBlend> blends,
                             const Context& ctx);
 
+    /// The requested attributes of vertices.
+    std::span<const VertexAttribute> attributes() const { return attributes_; }
+    /// Sets the value of an attribute of a vertex; to be called in the order of the vertices.
+    void set_attribute(std::size_t attribute, std::size_t vertex, double value);
+
     /// Chooses the origin, rounds the positions to float and returns the mesh. Throws `InvalidInput` if there
     /// is no face.
     PolygonMesh take();
+    /// The same with the attributes that have values.
+    MeshFile take_file();
     std::vector<Vec3d> take_vertices() { return std::move(vertices_); }
 
   private:
+    /// Removes attributes without values, and gives the others one for every vertex.
+    void fill_attributes();
     /// Returns the values of the corners; default ones for vertices beyond the end.
     template <class T>
     Buffer<T> spread_to_corners(Buffer<T> of_vertices) const {
@@ -75,6 +88,7 @@ class MeshBuilder {
 
     std::string source_;
     std::vector<Vec3d> vertices_;
+    std::vector<VertexAttribute> attributes_;  ///< without values beyond the last vertex that has some
     std::vector<std::uint32_t> corners_;
     PolygonMesh mesh_;
     std::uint32_t group_ = 0;
@@ -82,9 +96,11 @@ class MeshBuilder {
 };
 
 PolygonMesh parse_obj(std::string_view text, const std::string& source, const Context& ctx);
-PolygonMesh parse_ply(std::string_view bytes, const std::string& source, const Context& ctx);
+MeshFile parse_ply(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+                   const Context& ctx);
 PolygonMesh parse_off(std::string_view text, const std::string& source, const Context& ctx);
 PolygonMesh parse_stl(std::string_view bytes, const std::string& source, const Context& ctx);
-PolygonMesh parse_glb(std::string_view bytes, const std::string& source, const Context& ctx);
+MeshFile parse_glb(std::string_view bytes, const std::string& source, std::span<const std::string> attributes,
+                   const Context& ctx);
 
 }  // namespace coppice::io_internal

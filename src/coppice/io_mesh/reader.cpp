@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "coppice/base/local_origin.h"
 #include "coppice/base/parallel.h"
@@ -19,6 +20,7 @@ namespace io_internal {
 namespace {
 
 constexpr double kLargestCoordinate = 1e30;
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 bool less(const Vec3d& a, const Vec3d& b) {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
@@ -113,16 +115,19 @@ void MeshBuilder::weld(const Context& ctx) {
             to[v] = repeats ? to[order[i - 1].vertex] : v;
         }
     }
+    fill_attributes();
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < count; ++v) {  // to[v] <= v, so the entry of its target is final already
         if (to[v] == v) {
             vertices_[kept] = vertices_[v];
+            for (VertexAttribute& a : attributes_) a.values[kept] = a.values[v];
             to[v] = kept++;
         } else {
             to[v] = to[to[v]];
         }
     }
     vertices_.resize(kept);
+    for (VertexAttribute& a : attributes_) a.values.resize(kept);
     for (std::uint32_t& v : mesh_.corners) v = to[v];
 }
 
@@ -155,6 +160,24 @@ void MeshBuilder::set_vertex_texture(Buffer<TexturePoint> of_vertices, Buffer<Te
     set_texture(spread_to_corners(std::move(of_vertices)));
     if (!blends.empty()) mesh_.texture_blends = spread_to_corners(std::move(blends));
     weld(ctx);
+}
+
+void MeshBuilder::set_attribute(std::size_t attribute, std::size_t vertex, double value) {
+    Buffer<float>& values = attributes_[attribute].values;
+    values.resize(vertex, kNoValue);  // of vertices without a value
+    values.push_back(std::abs(value) <= kLargestCoordinate ? static_cast<float>(value) : kNoValue);
+}
+
+void MeshBuilder::fill_attributes() {
+    std::erase_if(attributes_, [](const VertexAttribute& a) { return a.values.empty(); });
+    for (VertexAttribute& a : attributes_) a.values.resize(vertices_.size(), kNoValue);
+}
+
+MeshFile MeshBuilder::take_file() {
+    fill_attributes();
+    MeshFile out{take(), {}};
+    out.attributes = std::move(attributes_);
+    return out;
 }
 
 PolygonMesh MeshBuilder::take() {
@@ -191,17 +214,22 @@ void refuse_other_kinds(std::string_view bytes, const std::string& source) {
 
 PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source,
                        const Context& ctx) {
+    return parse_mesh_file(bytes, format, source, {}, ctx).mesh;
+}
+
+MeshFile parse_mesh_file(std::string_view bytes, MeshFormat format, const std::string& source,
+                         std::span<const std::string> attributes, const Context& ctx) {
     switch (format) {
         case MeshFormat::obj:
-            return io_internal::parse_obj(bytes, source, ctx);
+            return {io_internal::parse_obj(bytes, source, ctx), {}};
         case MeshFormat::ply:
-            return io_internal::parse_ply(bytes, source, ctx);
+            return io_internal::parse_ply(bytes, source, attributes, ctx);
         case MeshFormat::off:
-            return io_internal::parse_off(bytes, source, ctx);
+            return {io_internal::parse_off(bytes, source, ctx), {}};
         case MeshFormat::stl:
-            return io_internal::parse_stl(bytes, source, ctx);
+            return {io_internal::parse_stl(bytes, source, ctx), {}};
         case MeshFormat::glb:
-            return io_internal::parse_glb(bytes, source, ctx);
+            return io_internal::parse_glb(bytes, source, attributes, ctx);
         case MeshFormat::usda:
             break;
     }
@@ -209,6 +237,11 @@ PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::str
 }
 
 PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx) {
+    return read_mesh_file(path, {}, ctx).mesh;
+}
+
+MeshFile read_mesh_file(const std::filesystem::path& path, std::span<const std::string> attributes,
+                        const Context& ctx) {
     const std::string bytes = read_file(path, kLargestFile, ctx);
     const std::string source = path.string();
     if (bytes.empty()) throw InvalidInput(fmt::format("{}: the file is empty", source));
@@ -217,10 +250,10 @@ PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx) {
         io_internal::refuse_other_kinds(bytes, source);
         format = mesh_format_of_name(path);
     }
-    PolygonMesh mesh = parse_mesh(bytes, format.value_or(MeshFormat::obj), source, ctx);
+    MeshFile file = parse_mesh_file(bytes, format.value_or(MeshFormat::obj), source, attributes, ctx);
     ctx.throw_if_cancelled();
     ctx.report(1);
-    return mesh;
+    return file;
 }
 
 }  // namespace coppice

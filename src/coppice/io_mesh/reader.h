@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "coppice/base/vec.h"
 #include "coppice/io_mesh/format.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/mesh/vertex_attribute.h"
 
 namespace coppice {
 
@@ -39,6 +41,22 @@ PolygonMesh read_mesh(const std::filesystem::path& path, const Context& ctx = {}
 /// Reads a surface from memory; `source` names it in messages. Throws `Unsupported` for USDA.
 PolygonMesh parse_mesh(std::string_view bytes, MeshFormat format, const std::string& source,
                        const Context& ctx = {});
+
+/// A surface with numbers of its vertices.
+struct MeshFile {
+    PolygonMesh mesh;                         ///< the surface
+    std::vector<VertexAttribute> attributes;  ///< those of the requested ones that the file contains
+};
+
+/// Reads a surface as `read_mesh`, with the attributes of these names: `order` is `_ORDER` in GLB, and a
+/// property of the vertices in PLY; other formats have none. Vertices without a value, and values that are
+/// not finite or beyond 1e30, have NaN. Welded vertices have the values of the first of them.
+MeshFile read_mesh_file(const std::filesystem::path& path, std::span<const std::string> attributes,
+                        const Context& ctx = {});
+
+/// Reads a surface from memory with attributes; `source` names it in messages. Throws `Unsupported` for USDA.
+MeshFile parse_mesh_file(std::string_view bytes, MeshFormat format, const std::string& source,
+                         std::span<const std::string> attributes, const Context& ctx = {});
 
 /// Returns the vertices of an OFF file without faces. Throws `InvalidInput` for others.
 std::vector<Vec3d> parse_off_points(std::string_view text, const std::string& source, const Context& ctx);

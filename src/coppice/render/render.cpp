@@ -16,6 +16,7 @@
 #include "coppice/render/trace/ring_internal.h"
 #include "coppice/render/trace/scale_bar_internal.h"
 #include "coppice/render/trace/shading_internal.h"
+#include "coppice/render/value_colors.h"
 
 namespace coppice {
 namespace {
@@ -90,6 +91,17 @@ void check_copies(const RenderScene& scene) {
     for (const RenderMaterial& material : scene.prototype_materials) check(material);
 }
 
+/// Returns whether the colour shows the numbers of the vertices.
+bool uses_values(const RenderScene& scene, RenderColor color) {
+    return color == RenderColor::order || color == RenderColor::branch || color == RenderColor::along ||
+           (color == RenderColor::radius && (scene.skeleton == nullptr || !scene.vertex_values.empty()));
+}
+
+ValueScale choose_scale(RenderColor color) {
+    if (color == RenderColor::radius) return ValueScale::logarithmic;
+    return color == RenderColor::branch ? ValueScale::numbers : ValueScale::linear;
+}
+
 void check(const RenderScene& scene, const RenderOptions& options) {
     check_fields(options, "render");
     const auto pixels = static_cast<long long>(options.camera.width) * options.camera.height;
@@ -134,8 +146,12 @@ void check(const RenderScene& scene, const RenderOptions& options) {
         (scene.skeleton == nullptr || scene.evidence.size() != scene.skeleton->size()))
         throw InvalidInput(
             "render: colouring by evidence requires a skeleton and an evidence value for each of its nodes");
-    if (options.color == RenderColor::radius && scene.skeleton == nullptr)
-        throw InvalidInput("render: colouring by radius requires a skeleton");
+    if (uses_values(scene, options.color) &&
+        (scene.mesh == nullptr || scene.vertex_values.size() != scene.mesh->positions.size())) {
+        throw InvalidInput(fmt::format(
+            "render: colouring by {} requires {}a number for each vertex of a mesh", name_of(options.color),
+            options.color == RenderColor::radius ? "a skeleton, or " : ""));
+    }
     if (!scene.mesh_colors.empty() &&
         (scene.mesh == nullptr || scene.mesh_colors.size() != scene.mesh->positions.size()))
         throw InvalidInput("render: the number of colours must be that of the vertices of the mesh");
@@ -211,6 +227,16 @@ void draw_marks(Image& image, const RenderScene& scene, const TracedScene& trace
     }
 }
 
+/// Returns the labels of the scale of an attribute; that of radii is the same as without an attribute.
+std::optional<ScaleLabels> value_labels(const ValueColors& values, RenderColor color) {
+    const double min{values.min}, max{values.max}, middle = (min + max) / 2;
+    if (color == RenderColor::along)
+        return ScaleLabels{length_text(max), length_text(middle), length_text(min)};
+    if (color != RenderColor::order) return std::nullopt;
+    const auto text = [](double number) { return fmt::format("{:.3g}", number); };
+    return ScaleLabels{text(max), text(middle), text(min)};
+}
+
 }  // namespace
 
 Image render(const RenderScene& scene, const RenderOptions& options, const Context& ctx) {
@@ -223,7 +249,14 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
     if (!has_drawn_copies(scene, options)) shown.instances = nullptr;
     RenderOptions chosen = options;
     RadiusColors radii;
-    if (options.color == RenderColor::radius) {
+    ValueColors values;
+    if (uses_values(scene, options.color)) {
+        values = value_colors(scene.vertex_values, choose_scale(options.color));
+        shown.mesh_colors = values.colors;
+        shown.skeleton = nullptr;
+        radii.min = values.min;
+        radii.max = values.max;
+    } else if (options.color == RenderColor::radius) {
         radii = radius_colors(*scene.skeleton, scene.mesh, ctx);
         shown.mesh_colors = radii.vertices;
         shown.skeleton_colors = radii.nodes;
@@ -268,6 +301,7 @@ Image render(const RenderScene& scene, const RenderOptions& options, const Conte
                    (1 - kBuildShare) * static_cast<float>(end) / static_cast<float>(options.camera.height));
     }
     draw_marks(image, scene, traced, camera);
+    if (const auto labels = value_labels(values, options.color)) draw_scale_bar(image, *labels);
     if (options.color == RenderColor::radius)
         draw_scale_bar(image, {length_text(double{radii.max}),
                                length_text(std::sqrt(double{radii.min} * double{radii.max})),
@@ -302,7 +336,8 @@ void list_fields(RenderOptions& o, FieldList& list) {
                      "Colour of the surface: plain, magenta for overlays (signal), or a quantity: "
                      "deviation and distance are blue inside and red outside, evidence is blue where radii "
                      "were measured and red where they were estimated, radius is blue where branches are "
-                     "thin and red where they are thick."),
+                     "thin and red where they are thick; order, branch and along, the distance from the "
+                     "beginning of the branch, are numbers that coppice mesh --attributes writes."),
         o.color);
     list.add(Field{"deviation_range", "Deviation from the radius that has the full colour.", Unit::radius,
                    1e-4, 10},

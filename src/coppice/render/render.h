@@ -27,12 +27,15 @@ enum class RenderColor {
     distance,   ///< see RenderScene
     evidence,   ///< see RenderScene
     radius,     ///< radius of the skeleton, or of its segment that is closest to the mesh, by `radius_colors`
+    order,      ///< branch order of the vertices of the mesh
+    branch,     ///< number of the branch of the vertices of the mesh
+    along,      ///< distance of the vertices of the mesh from the beginning of their branch
 };
 
 template <>
 struct EnumNames<RenderColor> {
-    static constexpr std::array<std::string_view, 6> names{"plain",    "signal",   "deviation",
-                                                           "distance", "evidence", "radius"};
+    static constexpr std::array<std::string_view, 9> names{
+        "plain", "signal", "deviation", "distance", "evidence", "radius", "order", "branch", "along"};
 };
 
 /// A position to highlight.
@@ -66,6 +69,9 @@ struct RenderScene {
     const Skeleton* skeleton = nullptr;  ///< the skeleton; may be null
     std::span<const float>
         deviation;  ///< per mesh vertex: distance outside the true surface / radius; NaN = unknown
+    /// Per mesh vertex, for the colours `order`, `branch` and `along` [m], and for `radius` [m] in place of
+    /// the skeleton; NaN = unknown.
+    std::span<const float> vertex_values;
     std::span<const float>
         evidence;  ///< per node of the skeleton: fraction of its radius based on measurements, 0 to 1
     std::span<const Rgb> mesh_colors;      ///< per vertex of the mesh, for the colour `plain`; may be empty
@@ -90,8 +96,8 @@ struct RenderOptions {
     float zoom = 1;  ///< magnification at the same position of the camera
     float sun_azimuth = -0.9f;    ///< [rad] from the direction of the camera to the sun, counter-clockwise
     float sun_elevation = 0.85f;  ///< [rad] of the sun above the horizon
-    /// `deviation`, `distance` and `evidence` require those of RenderScene, `radius` a skeleton; `plain`
-    /// points have their own colours.
+    /// `deviation`, `distance` and `evidence` require those of RenderScene, `radius` a skeleton or
+    /// `vertex_values`, as `order`, `branch` and `along` do; `plain` points have their own colours.
     RenderColor color = RenderColor::plain;
     float deviation_range = 0.1f;  ///< [radius] deviation of the full colour
     /// [m] distance of the full colour; 0 = 98 % quantile over the vertices or points
