@@ -17,6 +17,7 @@ constexpr std::uint32_t kRows = 128;
 constexpr float kDistance = 1.12f;      // [radius] from the centre of the image to each axis
 constexpr float kHalfLength = 1.5f;     // [radius] of the stem, which ends outside the image
 constexpr double kHalfWidth = 2.2;      // [radius] of the image
+constexpr double kDiscWidth = 1.05;     // [radius] half of the width of the image of a disc
 constexpr float kRadiusOfPole = 1e-3f;  // [radius] so that the faces at the poles are quads
 
 /// Adds a surface of revolution around a vertical axis. `profile` returns its radius and height [radius] for
@@ -72,6 +73,29 @@ Image draw_bark(const BarkMaps& maps, float diameter, int width, const Context& 
                                            .elevation = 0,
                                            .margin = 0},
                                 .ground = false};
+    return render({.mesh = &mesh, .materials = {&material, 1}, .framed = framed}, options, ctx);
+}
+
+Image draw_cut(const BarkMaps& maps, int width, const Context& ctx) {
+    PolygonMesh mesh;
+    mesh.positions.push_back({0, 0, 0});
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        const float angle = 2 * kPi * static_cast<float>(i) / static_cast<float>(kSides);
+        mesh.positions.push_back({0, std::cos(angle), std::sin(angle)});
+    }
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        const std::array<std::uint32_t, 3> face{0, i + 1, (i + 1) % kSides + 1};
+        mesh.add_face(face);
+        for (const std::uint32_t v : face) {
+            const Vec3 p = mesh.positions[v];
+            mesh.texture.push_back({0.5f + 0.5f * p.y, 0.5f + 0.5f * p.z});
+        }
+    }
+    const RenderMaterial material = make_render_material(maps);
+    const std::array<Vec3d, 2> framed{{{0, -kDiscWidth, -kDiscWidth}, {0, kDiscWidth, kDiscWidth}}};
+    const RenderOptions options{
+        .camera = {.width = width, .height = width, .azimuth = 0, .elevation = 0, .margin = 0},
+        .ground = false};
     return render({.mesh = &mesh, .materials = {&material, 1}, .framed = framed}, options, ctx);
 }
 

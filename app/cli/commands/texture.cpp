@@ -11,6 +11,7 @@
 #include "coppice/scene/bark_images.h"
 #include "coppice/system/file.h"
 #include "coppice/texture/bark.h"
+#include "coppice/texture/cut.h"
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
@@ -20,11 +21,13 @@ namespace coppice::cli {
 namespace {
 
 constexpr const char* kBarkGroup = "Bark; the defaults are those of oak, every species has its own";
+constexpr const char* kCutGroup = "Cut wood; the defaults are those of oak, every species has its own";
 
 struct TextureFlags {
     std::filesystem::path kind, species, output, picture;
     int picture_width = 1200;
     BarkOptions bark;
+    CutOptions cut;
 };
 
 /// Prints the species with their sizes.
@@ -40,9 +43,18 @@ ExitCode list_species(Run& run) {
         figures.push_back(
             {{"species", species.name}, {"kind", name_of(o.kind)}, {"description", species.title}});
     }
+    text +=
+        fmt::format("\n{:<10} {:<12} {:>7} {:>8}  {}\n", "species", "", "disc m", "rings mm", "description");
+    for (const CutSpecies& species : cut_species()) {
+        const CutOptions& o = species.options;
+        text += fmt::format("{:<10} {:<12} {:>7.3g} {:>8.3g}  {}\n", species.name, "cut", o.diameter,
+                            1e3 * double{o.ring_width}, species.title);
+        figures.push_back({{"species", species.name}, {"kind", "cut"}, {"description", species.title}});
+    }
     print(text);
     run.counts()["species"] = figures;
-    run.finish(fmt::format("{} species", bark_species().size()));
+    run.finish(
+        fmt::format("{} species of bark, {} of cut wood", bark_species().size(), cut_species().size()));
     return kDone;
 }
 
@@ -68,6 +80,21 @@ BarkOptions make_options(const TextureFlags& flags, const GivenOptions& given) {
     return out;
 }
 
+/// Returns the options of cut wood with those of the command line.
+CutOptions make_cut_options(const TextureFlags& flags, const GivenOptions& given) {
+    const std::string name = flags.species.string();
+    auto out = find_cut(name);
+    if (!out) {
+        std::vector<std::string> names;
+        for (const CutSpecies& species : cut_species()) names.emplace_back(species.name);
+        throw UsageError(fmt::format("there is no cut wood of {}{}; coppice texture lists the species",
+                                     quote(name), did_you_mean(name, names)));
+    }
+    CutOptions typed = flags.cut;
+    copy_given(option_fields(typed), option_fields(*out), given);
+    return *out;
+}
+
 /// Returns the beginning of the names of all maps; within a folder it is the name of the species.
 std::string find_prefix(const TextureFlags& flags) {
     std::error_code error;
@@ -89,22 +116,36 @@ void write_maps(Run& run, const BarkMaps& maps, const std::string& prefix) {
     run.counts()["files"] = names;
 }
 
-ExitCode make_bark_textures(Run& run, const TextureFlags& flags, const GivenOptions& given) {
-    if (flags.species.empty())
-        throw UsageError(
-            "name the species, as coppice texture bark oak -o oak_bark; coppice texture lists all");
-    if (flags.output.empty() && flags.picture.empty())
-        throw UsageError(fmt::format("name the files: coppice texture bark {0} -o {0}_bark, or --picture PNG",
-                                     flags.species.string()));
-    const BarkOptions options = make_options(flags, given);
+void check_flags(const TextureFlags& flags, const GivenOptions& given) {
+    const std::string subject = flags.kind.string();
+    if (flags.species.empty()) {
+        throw UsageError(fmt::format(
+            "name the species, as coppice texture {0} oak -o oak_{0}; coppice texture lists all", subject));
+    }
+    if (flags.output.empty() && flags.picture.empty()) {
+        throw UsageError(fmt::format("name the files: coppice texture {1} {0} -o {0}_{1}, or --picture PNG",
+                                     flags.species.string(), subject));
+    }
+    if (const Option* other = first_of_groups(given, {subject == "cut" ? kBarkGroup : kCutGroup}))
+        throw UsageError(fmt::format("{} does not apply to coppice texture {}", other->name, subject));
+}
+
+ExitCode make_textures(Run& run, const TextureFlags& flags, const GivenOptions& given) {
+    const bool is_cut = flags.kind == "cut";
+    check_flags(flags, given);
+    const BarkOptions bark = is_cut ? BarkOptions{} : make_options(flags, given);
+    const CutOptions cut = is_cut ? make_cut_options(flags, given) : CutOptions{};
     check_picture_output(flags.picture);
     const std::string prefix = find_prefix(flags);
     if (!flags.output.empty()) check_output_folder(prefix);
-    const BarkMaps maps = run.stage("bark", [&](const Context& ctx) { return make_bark(options, ctx); });
+    const BarkMaps maps = run.stage(flags.kind.string(), [&](const Context& ctx) {
+        return is_cut ? make_cut(cut, ctx) : make_bark(bark, ctx);
+    });
     if (!flags.output.empty()) write_maps(run, maps, prefix);
     if (!flags.picture.empty()) {
         const Image picture = run.stage("draw", [&](const Context& ctx) {
-            return draw_bark(maps, options.diameter, flags.picture_width, ctx);
+            return is_cut ? draw_cut(maps, flags.picture_width, ctx)
+                          : draw_bark(maps, bark.diameter, flags.picture_width, ctx);
         });
         run.stage("write picture", [&](const Context&) { write_picture(flags.picture, picture); });
     }
@@ -123,12 +164,13 @@ ExitCode make_bark_textures(Run& run, const TextureFlags& flags, const GivenOpti
 
 ExitCode make_texture(Run& run, const TextureFlags& flags, const GivenOptions& given) {
     if (flags.kind.empty()) return list_species(run);
-    if (flags.kind != "bark") {
-        const std::vector<std::string> kinds{"bark"};
-        throw UsageError(fmt::format("there are no textures of {}{}; use coppice texture bark SPECIES",
-                                     quote(flags.kind.string()), did_you_mean(flags.kind.string(), kinds)));
+    const std::vector<std::string> kinds{"bark", "cut"};
+    if (std::ranges::find(kinds, flags.kind.string()) == kinds.end()) {
+        throw UsageError(fmt::format(
+            "there are no textures of {}{}; use coppice texture bark SPECIES or coppice texture cut SPECIES",
+            quote(flags.kind.string()), did_you_mean(flags.kind.string(), kinds)));
     }
-    return make_bark_textures(run, flags, given);
+    return make_textures(run, flags, given);
 }
 
 }  // namespace
@@ -136,8 +178,8 @@ ExitCode make_texture(Run& run, const TextureFlags& flags, const GivenOptions& g
 Command texture_command() {
     const auto flags = std::make_shared<TextureFlags>();
     OptionList options;
-    options.file("subject", "bark", flags->kind,
-                 "Kind of the textures: bark; without it, all species are listed.");
+    options.file("subject", "SUBJECT", flags->kind,
+                 "Kind of the textures: bark, or cut for flat ends; without it, all species are listed.");
     options.file("species", "SPECIES", flags->species, "Species, or a kind of bark, as oak or furrowed.");
     options.output(
         "-o,--output", "PREFIX", flags->output,
@@ -146,13 +188,15 @@ Command texture_command() {
     options.may_replace("--output", "subject");
     options.may_replace("--output", "species");
     options.output("--picture", "PNG", flags->picture,
-                   "Image of a ball and a stem with the bark to write (.png).");
+                   "Image of a ball and a stem with the bark, or of a disc, to write (.png).");
     options.value(
         {{"picture_width", "Width of that image in pixels.", Unit::none, 32, 8192}, &flags->picture_width});
     options.fields(flags->bark, kBarkGroup);
-    return {"texture", "Make tileable textures of bark: colour, normals, roughness, heights and occlusion.",
-            options,
-            [flags](Run& run, const GivenOptions& given) { return make_texture(run, *flags, given); }};
+    options.fields(flags->cut, kCutGroup, {.prefix = "cut", .common = MemberNames{}});
+    return {
+        "texture",
+        "Make textures of bark, which tile, or of cut wood: colour, normals, roughness, heights, occlusion.",
+        options, [flags](Run& run, const GivenOptions& given) { return make_texture(run, *flags, given); }};
 }
 
 }  // namespace coppice::cli

@@ -59,9 +59,9 @@ class NoiseValues {
 };
 
 /// Evaluates bark(place, noise values) at the centres of all texels, with the noises of bark.noises(), which
-/// are computed by rows.
+/// are computed by rows. `roughness`: the mean.
 template <class Bark>
-void fill(const BarkPlan& plan, const Bark& bark, BarkCanvas& out, const Context& ctx) {
+void fill(const Tile& tile, float roughness, const Bark& bark, BarkCanvas& out, const Context& ctx) {
     constexpr std::size_t kRows = 8;
     BarkMaps& maps = out.maps;
     const auto width = static_cast<std::size_t>(maps.width), height = static_cast<std::size_t>(maps.height);
@@ -69,19 +69,25 @@ void fill(const BarkPlan& plan, const Bark& bark, BarkCanvas& out, const Context
     parallel_for_ranges(ctx, height, kRows, [&](IndexRange rows) {
         std::vector<float> values(noises.size() * width);
         for (std::size_t row = rows.begin; row < rows.end; ++row) {
-            const float y = (static_cast<float>(height - 1 - row) + 0.5f) * plan.tile.texel_height;
+            const float y = (static_cast<float>(height - 1 - row) + 0.5f) * tile.texel_height;
             for (std::size_t k = 0; k < noises.size(); ++k)
                 noises[k].fill_row(y, std::span(values).subspan(k * width, width));
             for (std::size_t i = 0; i < width; ++i) {
-                const Place p{(static_cast<float>(i) + 0.5f) * plan.tile.texel_width, y};
+                const Place p{(static_cast<float>(i) + 0.5f) * tile.texel_width, y};
                 const BarkTexel t = bark(p, NoiseValues(values.data() + i, width));
                 const std::size_t at = row * width + i;
                 out.heights[at] = t.height;
                 maps.color[at] = {to_byte(t.color.x), to_byte(t.color.y), to_byte(t.color.z)};
-                maps.roughness[at] = to_byte(plan.options.roughness + t.roughness);
+                maps.roughness[at] = to_byte(roughness + t.roughness);
             }
         }
     });
+}
+
+/// Evaluates a bark at the centres of all texels.
+template <class Bark>
+void fill(const BarkPlan& plan, const Bark& bark, BarkCanvas& out, const Context& ctx) {
+    fill(plan.tile, plan.options.roughness, bark, out, ctx);
 }
 
 // The kinds: each evaluates its pattern for all texels.
