@@ -59,6 +59,8 @@ add("inferred.json", json.dumps({"format": "coppice-skeleton", "parent": [-1, 0,
                                  "radius": [0.3, 0.3, 0.3], "evidence": [1, 1, 0]}))
 add("sprout.coppice", "sprout tree root=0,0,0 root=2,0,0 seasons=7 seed=2\nradii tree\n")
 add("material.coppice", "loadtree t tree.swc\nmaterial wood oak width=32\nmesh t uv=bark tile=0.1 material=wood displace=true\nsave t out.obj kind=mesh\nsave t out.glb kind=mesh\n")
+add("material_slots.coppice", "loadtree t tree.swc\nmaterial wood oak width=32\ncutmaterial disc oak size=32\nmesh t uv=bark material=wood twig_material=wood twig_diameter=0.1 "
+    "cut_material=disc\nsave t out.glb kind=mesh\nsave t out.obj kind=mesh\n")
 add("material_of_files.coppice", "loadtree t tree.swc\nloadmaterial m bark_color.png\nmesh t uv=bark material=m\nsave t out.usda kind=mesh\n")
 add("material_without_uv.coppice", "loadtree t tree.swc\nmaterial wood oak width=32\nmesh t material=wood\n")
 add("material_missing.coppice", "loadmaterial m none_color.png\n")

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -145,6 +146,60 @@ TEST_F(SceneMaterials, OfFilesAreDrawnAsThoseOfBark) {
     scene.run_text("mesh tree oak uv=bark material=wood\nmesh tree plain\nsphere ball", "x");
     scene.run("render oak plain ball width=16 height=16 samples=1 " + quoted_word(file("c.png")));
     EXPECT_TRUE(has_file("c.png"));
+}
+
+// The limb ends flat at its base, and its upper half is thinner than 0.15 m.
+TEST_F(SceneMaterials, HaveSlotsOfTwigsAndCuts) {
+    Scene scene = make_scene();
+    scene.run_text("material twig birch width=32\ncutmaterial wood oak size=32", "x");
+    scene.run("mesh tree uv=bark material=bark twig_material=twig twig_diameter=0.15 cut_material=wood");
+    const Surface& surface = get<Surface>(scene, ObjectKind::mesh, "tree");
+    ASSERT_EQ(surface.materials.size(), 3u);
+    EXPECT_EQ(surface.slots.size(), face_count(surface));
+    for (const std::uint32_t slot : {0u, 1u, 2u})
+        EXPECT_GT(std::ranges::count(surface.slots, slot), 0) << slot;
+    EXPECT_NE(scene.run("describe tree").find("material   bark, twig, wood"), std::string::npos);
+    scene.run("save tree kind=mesh " + quoted_word(file("a.obj")));
+    for (const char* name : {"bark", "twig", "wood"}) {
+        EXPECT_TRUE(has_file(std::string("a_") + name + "_color.png")) << name;
+        EXPECT_NE(read_file(file("a.obj")).find(std::string("usemtl ") + name), std::string::npos) << name;
+    }
+    scene.run("save tree kind=mesh " + quoted_word(file("a.glb")));
+    EXPECT_EQ(read_mesh(file("a.glb")).group_names.size(), 3u);
+    scene.run("mesh tree plain uv=bark material=bark");
+    const auto draw = [&](const std::string& object) {
+        scene.run("render " + object + " kind=mesh width=48 height=48 samples=2 " +
+                  quoted_word(file("a.png")));
+        return decode_picture(read_file(file("a.png")), "a.png");
+    };
+    EXPECT_NE(draw("tree"), draw("plain"));
+    Scene again;
+    again.run_text(make_recipe(scene.state()), "recipe");
+    EXPECT_EQ(get<Surface>(again, ObjectKind::mesh, "tree").slots, surface.slots);
+}
+
+// The same material for two slots needs two names in a file.
+TEST_F(SceneMaterials, OfSlotsHaveDifferentNames) {
+    Scene scene = make_scene();
+    scene.run("mesh tree uv=bark material=bark twig_material=bark twig_diameter=0.15");
+    EXPECT_EQ(get<Surface>(scene, ObjectKind::mesh, "tree").materials[2].empty(), true);
+    scene.run("save tree kind=mesh " + quoted_word(file("a.usda")));
+    EXPECT_NE(read_file(file("a.usda")).find("bark_2"), std::string::npos);
+    scene.run("save tree kind=mesh " + quoted_word(file("a.ply")));
+}
+
+TEST_F(SceneMaterials, RejectSlotsWithoutMaterials) {
+    Scene scene = make_scene();
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark twig_material=bark"),
+              "mesh: twig_material= and cut_material= need material= for the other faces");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark cut_material=bark"),
+              "mesh: twig_material= and cut_material= need material= for the other faces");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=bark twig_diameter=0.1"),
+              "mesh: twig_diameter= needs twig_material=");
+    EXPECT_EQ(refusal(scene, "mesh tree uv=bark material=bark twig_material=bark method=cylinders"),
+              "mesh: twig_material= needs another method than cylinders");
+    EXPECT_NE(refusal(scene, "cutmaterial x okk"), "no error");
+    EXPECT_NE(refusal(scene, "cutmaterial x oak size=100000"), "no error");
 }
 
 TEST_F(SceneMaterials, DisplaceSurfaces) {

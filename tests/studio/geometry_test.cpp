@@ -99,6 +99,33 @@ void expect_divided_at_seams(const std::string& options, const std::string& face
     for (std::size_t i = 0; i < normals.size(); ++i) EXPECT_NEAR(normals[i], expected[i], 1) << i;
 }
 
+/// Compares the encoded order of the faces with their slots.
+void expect_sorted_by_slot(const std::string& options, const std::string& faces, std::size_t size) {
+    const Scene scene = make_scene(
+        "limb t 0,0,0 0,0,1 0,0,2 radius=0.1 tip_radius=0.02\nmaterial m oak width=16\n"
+        "cutmaterial wood oak size=16\n"
+        "mesh t levels=1 uv=bark material=m twig_material=m twig_diameter=0.1 cut_material=wood" +
+        options + "\n");
+    const Decoded shape = shown(scene, ObjectKind::mesh, "t");
+    const auto counts = shape.header["slots"].get<std::vector<std::size_t>>();
+    ASSERT_EQ(counts.size(), 3u);
+    const auto corners = shape.array<std::uint32_t>(faces);
+    EXPECT_EQ(size * (counts[0] + counts[1] + counts[2]), corners.size());
+    // Faces of bark are below those of twigs; cuts are at the base, z = 0.
+    const auto positions = shape.array<float>("position");
+    const auto height = [&](std::size_t corner) { return positions[3 * corners[corner] + 2]; };
+    const std::size_t bark = size * counts[0], twigs = bark + size * counts[1];
+    ASSERT_GT(counts[2], 0u);
+    for (std::size_t i = 0; i < bark; ++i) EXPECT_LT(height(i), 1.5f);
+    for (std::size_t i = bark; i < twigs; ++i) EXPECT_GT(height(i), 0.9f);
+    for (std::size_t i = twigs; i < corners.size(); ++i) EXPECT_NEAR(height(i), 0, 1e-3f);
+}
+
+TEST(Geometry, OfSlotsIsSorted) {
+    expect_sorted_by_slot("", "quads", 4);
+    expect_sorted_by_slot(" method=tetrahedra tetra_edge=0.2", "triangles", 3);
+}
+
 TEST(Geometry, OfQuadsWithAMaterialIsDividedAtSeams) {
     expect_divided_at_seams("", "quads");
     const Scene scene = make_scene(

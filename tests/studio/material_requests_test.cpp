@@ -5,6 +5,7 @@
 #include "coppice/scene/bark_images.h"
 #include "coppice/system/file.h"
 #include "coppice/texture/bark.h"
+#include "coppice/texture/cut.h"
 #include "studio/session_fixture.h"
 
 namespace coppice {
@@ -24,7 +25,9 @@ class MaterialRequests : public test::SessionTest {
         run(material);
         run("mesh t levels=0 uv=bark material=m");
     }
-    Json images() { return must({{"type", "material"}, {"name", "t"}})["images"]; }
+    /// Returns the keys of the images of all slots.
+    Json slots() { return must({{"type", "material"}, {"name", "t"}})["images"]; }
+    Json images() { return slots().at(0); }
     std::string image(const Json& keys, const char* map) {
         const auto bytes = blobs_.get(keys[map].get<std::string>());
         return bytes ? *bytes : "";
@@ -58,6 +61,21 @@ TEST_F(MaterialRequests, KeepTheKeysOfEqualImages) {
     EXPECT_NE(images(), before);
 }
 
+// The limb ends flat at its base; its slot of twigs has no material.
+TEST_F(MaterialRequests, OfferTheImagesOfSlots) {
+    run("limb t 0,0,0 0,0,1 0,0,2 radius=0.1");
+    run("material m oak width=32");
+    run("cutmaterial wood oak size=32");
+    run("mesh t levels=0 uv=bark material=m cut_material=wood");
+    const Json keys = slots();
+    ASSERT_EQ(keys.size(), 3u);
+    EXPECT_EQ(keys[0].size(), 4u);
+    EXPECT_EQ(keys[1], Json::object());
+    CutOptions wood;
+    wood.size = 32;
+    EXPECT_EQ(image(keys[2], "color"), encode_bark_map(make_cut(wood), "color"));
+}
+
 TEST_F(MaterialRequests, OfferTheImagesInFiles) {
     write_bark(make_small_bark());
     std::filesystem::remove(folder_ / "small_occlusion.png");
@@ -87,7 +105,7 @@ TEST_F(MaterialRequests, RefuseFilesOutsideOfTheFolder) {
 TEST_F(MaterialRequests, HaveNoImagesForOtherMeshes) {
     run("limb t 0,0,0 0,0,1 radius=0.1");
     run("mesh t levels=0");
-    EXPECT_EQ(images(), Json::object());
+    EXPECT_EQ(slots(), Json::array());
     EXPECT_EQ(refused({{"type", "material"}, {"name", "u"}}), "there is no mesh 'u'");
 }
 

@@ -56,6 +56,9 @@ export interface ArrayHeader {
     offset: number;
 }
 
+/** Keys of the blobs with the images of a material. */
+export type ImageKeys = Partial<Record<"color" | "normal" | "roughness" | "occlusion", string>>;
+
 export interface GeometryHeader {
     kind: "surface" | "skeleton" | "points" | "curve" | "patch";
     object: ObjectName;
@@ -64,6 +67,8 @@ export interface GeometryHeader {
     arrays: ArrayHeader[];
     seq?: number; // number of the preview
     color?: string; // quantity in "value", as requested
+    slots?: number[]; // number of quads, or triangles, of each material, in their order; without it, all have the first
+    images?: ImageKeys[]; // of a frame of a film, from the reply: by slot
     low?: number; // range of "value"
     high?: number;
     closed?: boolean; // of a curve

@@ -63,7 +63,7 @@ test("a film has the material of the mesh of its tree", () => {
 });
 
 /** An engine with images for each mesh, which counts their requests, and a browser that decodes and closes them. */
-function imageEngine(images: Record<string, Record<string, string>>): { engine: Engine; log: string[] } {
+function imageEngine(images: Record<string, Record<string, string>[]>): { engine: Engine; log: string[] } {
     const log: string[] = [];
     Object.assign(globalThis, {
         createImageBitmap: async (blob: Blob, options: ImageBitmapOptions) => {
@@ -86,15 +86,15 @@ function imageEngine(images: Record<string, Record<string, string>>): { engine: 
 }
 
 test("images are shared by meshes, repeat, and are released by the last one", async () => {
-    const { engine, log } = imageEngine({ a: { color: "c", normal: "n" }, b: { color: "c" } });
+    const { engine, log } = imageEngine({ a: [{ color: "c", normal: "n" }], b: [{ color: "c" }] });
     const materials = new Materials(engine);
     const [a, b] = await Promise.all([materials.take("a"), materials.take("b")]);
     assert.deepEqual(log, ["c", "n"]);
-    assert.equal(a.maps.map, b.maps.map);
-    assert.equal(a.maps.map?.colorSpace, THREE.SRGBColorSpace);
-    assert.equal(a.maps.normalMap?.colorSpace, THREE.NoColorSpace);
-    assert.equal(a.maps.map?.wrapS, THREE.RepeatWrapping);
-    assert.equal(a.maps.map?.flipY, false);
+    assert.equal(a.maps[0].map, b.maps[0].map);
+    assert.equal(a.maps[0].map?.colorSpace, THREE.SRGBColorSpace);
+    assert.equal(a.maps[0].normalMap?.colorSpace, THREE.NoColorSpace);
+    assert.equal(a.maps[0].map?.wrapS, THREE.RepeatWrapping);
+    assert.equal(a.maps[0].map?.flipY, false);
     a.release();
     await materials.take("b");
     assert.deepEqual(log, ["c", "n", "close n"]);
@@ -102,8 +102,23 @@ test("images are shared by meshes, repeat, and are released by the last one", as
     assert.equal(materials.busy, false);
 });
 
+test("each slot has its images, and equal ones are requested once", async () => {
+    const { engine, log } = imageEngine({ a: [{ color: "c" }, {}, { color: "c", normal: "n" }] });
+    const materials = new Materials(engine);
+    const { maps, release } = await materials.take("a");
+    assert.deepEqual(log, ["c", "n"]);
+    assert.equal(maps.length, 3);
+    assert.equal(maps[0].map, maps[2].map);
+    assert.deepEqual(maps[1], {});
+    release();
+    await new Promise((done) => setImmediate(done));
+    assert.deepEqual(log, ["c", "n", "close c", "close n"]);
+    await materials.takeImages([{ color: "n" }]); // of a frame of a film
+    assert.deepEqual(log.slice(4), ["n"]);
+});
+
 test("an image that is not decoded is a fault, and is requested again", async () => {
-    const { engine, log } = imageEngine({ a: { color: "broken", normal: "n" } });
+    const { engine, log } = imageEngine({ a: [{ color: "broken", normal: "n" }] });
     const materials = new Materials(engine);
     await assert.rejects(materials.take("a"), /not an image/);
     await assert.rejects(materials.take("a"));

@@ -31,7 +31,12 @@ function trial(most = Infinity): Trial {
     let failure = "";
     const surface = (time: number): Geometry => ({
         header: { kind: "surface", object: { kind: "skeleton", name: "oak" }, version: 7, origin: [0, 0, 0], arrays: [] },
-        arrays: { position: Float32Array.of(time, 0, 0, 1, 1, 1), normal: new Int8Array(8), quads: Uint32Array.of(0, 1, 0, 1) },
+        arrays: {
+            position: Float32Array.of(time, 0, 0, 1, 1, 1),
+            normal: new Int8Array(8),
+            quads: Uint32Array.of(0, 1, 0, 1),
+            uv: Float32Array.of(0, 0, 1, 1),
+        },
     });
     const app = {
         store,
@@ -41,7 +46,7 @@ function trial(most = Infinity): Trial {
                 if (failure) {
                     throw new Error(failure);
                 }
-                return { key: String(time) };
+                return { key: String(time), images: [{ color: "c" }] };
             },
             blob: async (key: string) => {
                 return --most < 0 ? new Promise<Geometry>(() => {}) : surface(Number(key));
@@ -199,4 +204,16 @@ test("only formats that support all chosen contents are offered", () => {
     assert.deepEqual(endings("points"), ["points.xyz", "points.ply"]);
     assert.deepEqual(endings("points", "mesh"), []);
     assert.ok(!isWritten("path") && isWritten("solid"));
+});
+
+test("frames show the bark of the surface of the tree, and hold its coordinates once", async () => {
+    const { player, drawn } = trial();
+    player.seek(0);
+    await idle();
+    player.seek(0.1);
+    await idle();
+    assert.deepEqual(drawn[0].header.images, [{ color: "c" }]);
+    assert.deepEqual([...drawn[0].arrays.uv], [0, 0, 1, 1]);
+    assert.equal(drawn[1].header.kind, "patch");
+    assert.equal(drawn[1].arrays.uv, undefined);
 });

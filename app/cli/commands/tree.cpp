@@ -103,13 +103,11 @@ std::string describe(Run& run, const MadeTree& tree) {
 
 void write_image(Run& run, const TreeFlags& flags, const Surface& surface) {
     PolygonMesh mesh = make_polygons(surface);
-    FaceMaterials bark;
     if (!surface.texture.empty()) mesh.texture = surface.texture;
     if (!surface.texture_blends.empty()) mesh.texture_blends = surface.texture_blends;
-    if (surface.material) {
-        bark.materials.push_back(run.stage(
-            "read images", [&](const Context& ctx) { return load_render_material(*surface.material, ctx); }));
-    }
+    const FaceMaterials bark = run.stage("read images", [&](const Context& ctx) {
+        return load_face_materials(surface.materials, surface.slots, ctx);
+    });
     write_leafed_picture(run, flags.image, mesh, bark, surface.leaves.get(), flags.render);
 }
 

@@ -27,13 +27,16 @@ class Gatherer {
         PolygonMesh part;
         part.positions.assign(made.positions.begin(), made.positions.end());
         for (const auto& t : made.triangles) part.add_face(t);
-        add(part, kNoIndex);
+        add(part, {}, {});
     }
     void operator()(const Surface& surface) {
         PolygonMesh part = make_polygons(surface);
         if (!surface.texture.empty()) part.texture = surface.texture;
         if (!surface.texture_blends.empty()) part.texture_blends = surface.texture_blends;
-        add(part, surface.material ? number_material(*surface.material) : kNoIndex);
+        std::vector<std::uint32_t> materials;
+        for (const SurfaceMaterial& material : surface.materials)
+            materials.push_back(material.empty() ? kNoIndex : number_material(material));
+        add(part, materials, surface.slots);
         if (surface.leaves) add_leaves(*surface.leaves);
     }
     void operator()(const Skeleton& s) {
@@ -130,7 +133,9 @@ class Gatherer {
         leaves_.scales.insert(leaves_.scales.end(), from.scales.begin(), from.scales.end());
         leaves_.colors.insert(leaves_.colors.end(), from.colors.begin(), from.colors.end());
     }
-    void add(const PolygonMesh& part, std::uint32_t material) {
+    /// Adds a mesh; `materials` are those of its slots, `slots` those of its faces.
+    void add(const PolygonMesh& part, std::span<const std::uint32_t> materials,
+             std::span<const std::uint32_t> slots) {
         const Vec3 shift = compute_shift(part.origin);
         const auto base = static_cast<std::uint32_t>(mesh_.positions.size());
         for (const Vec3 p : part.positions) mesh_.positions.push_back(p + shift);
@@ -139,7 +144,8 @@ class Gatherer {
             corners.clear();
             for (const std::uint32_t v : part.face(f)) corners.push_back(base + v);
             mesh_.add_face(corners);
-            face_materials_.push_back(material);
+            const std::uint32_t slot = slots.empty() ? 0 : slots[f];
+            face_materials_.push_back(slot < materials.size() ? materials[slot] : kNoIndex);
         }
         mesh_.texture.insert(mesh_.texture.end(), part.texture.begin(), part.texture.end());
         mesh_.texture.resize(mesh_.corners.size(), TexturePoint{});  // without coordinates: no material

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coppice/base/id.h"
 #include "coppice/render/picture.h"
 #include "coppice/system/file.h"
 
@@ -33,17 +34,33 @@ RenderMaterial load_render_material(const SurfaceMaterial& material, const Conte
     return material.bark ? make_render_material(*material.bark) : load_render_material(material.files, ctx);
 }
 
-FaceMaterials load_face_materials(std::span<const MaterialFiles> files,
-                                  std::span<const std::uint32_t> of_face, const Context& ctx) {
+namespace {
+
+template <class Material>
+FaceMaterials load_each(std::span<const Material> materials, std::span<const std::uint32_t> of_face,
+                        const Context& ctx) {
     FaceMaterials out;
-    std::vector<std::uint32_t> loaded;  // index in `out` of each material
-    for (const MaterialFiles& material : files) {
-        loaded.push_back(static_cast<std::uint32_t>(out.materials.size()));
+    std::vector<std::uint32_t> loaded;  // per material: its index in `out`, or kNoIndex
+    for (const Material& material : materials) {
+        const auto index = static_cast<std::uint32_t>(out.materials.size());
+        loaded.push_back(material.empty() ? kNoIndex : index);
         if (!material.empty()) out.materials.push_back(load_render_material(material, ctx));
     }
     if (out.materials.empty()) return out;
     for (const std::uint32_t m : of_face) out.of_face.push_back(loaded[m]);
     return out;
+}
+
+}  // namespace
+
+FaceMaterials load_face_materials(std::span<const MaterialFiles> files,
+                                  std::span<const std::uint32_t> of_face, const Context& ctx) {
+    return load_each(files, of_face, ctx);
+}
+
+FaceMaterials load_face_materials(std::span<const SurfaceMaterial> materials,
+                                  std::span<const std::uint32_t> of_face, const Context& ctx) {
+    return load_each(materials, of_face, ctx);
 }
 
 }  // namespace coppice

@@ -31,8 +31,11 @@ struct FaceMaterials {
 };
 
 /// Reads the images of several materials. `of_face` is the index of one for each face, or empty: all faces
-/// have the first. Materials without images must not have faces. Throws as load_render_material().
+/// have the first. Faces of materials without images have none. Throws as load_render_material().
 FaceMaterials load_face_materials(std::span<const MaterialFiles> files,
+                                  std::span<const std::uint32_t> of_face, const Context& ctx = {});
+/// The same for materials of a scene.
+FaceMaterials load_face_materials(std::span<const SurfaceMaterial> materials,
                                   std::span<const std::uint32_t> of_face, const Context& ctx = {});
 
 }  // namespace coppice

@@ -60,10 +60,14 @@ std::string described(const Surface& surface) {
             vertices = mesh.positions.size();
         },
         surface.mesh);
+    std::vector<std::string> materials;
+    for (const SurfaceMaterial& material : surface.materials) {
+        if (!material.empty()) materials.push_back(material.files.name);
+    }
     std::string text =
         fmt::format("mesh       {} faces\nvertices   {}\nbox        {}\n{}", face_count(surface), vertices,
                     box_text(box, origin),
-                    surface.material ? fmt::format("material   {}\n", surface.material->files.name) : "");
+                    materials.empty() ? "" : fmt::format("material   {}\n", fmt::join(materials, ", ")));
     if (surface.leaves) {
         const FoliageReport& report = surface.leaves->tree.foliage.report;
         text += fmt::format("leaves     {}\nleaf_m2    {:.6g}\nleaf_index {:.6g}\n", report.leaves,
@@ -123,6 +127,7 @@ std::uint64_t compute_memory(const Surface& surface) {
         surface.texture_blends.size() + (polygons == nullptr ? 0 : polygons->texture_blends.size());
     return vertices * sizeof(Vec3) + face_count(surface) * 5 * sizeof(std::uint32_t) +
            corners * sizeof(TexturePoint) + blends * sizeof(TextureBlend) +
+           surface.slots.size() * sizeof(std::uint32_t) +
            (surface.leaves ? compute_memory(*surface.leaves) : 0);
 }
 

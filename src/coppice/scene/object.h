@@ -41,8 +41,12 @@ struct Surface {
     std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;  ///< in the original representation
     Buffer<TexturePoint> texture =
         {};  ///< per corner; empty if there are no coordinates, or polygons hold them
-    Buffer<TextureBlend> texture_blends = {};          ///< the second set; per corner, or empty
-    std::optional<SurfaceMaterial> material = {};      ///< of surfaces with texture coordinates
+    Buffer<TextureBlend> texture_blends = {};  ///< the second set; per corner, or empty
+    /// By material slot, of surfaces with texture coordinates; those of slots without one are empty. None for
+    /// surfaces without materials.
+    std::vector<SurfaceMaterial> materials = {};
+    std::vector<std::uint32_t> slots =
+        {};  ///< per face: its MaterialSlot as a number; empty: all faces are bark
     std::shared_ptr<const SurfaceLeaves> leaves = {};  ///< null without leaves
 };
 /// Returns the surface as polygons.

@@ -56,6 +56,11 @@ SurfaceMaterial make_bark_material(const BarkOptions& options, const Context& ct
             .tile = TileSize{options.tile_width, options.tile_height}};
 }
 
+SurfaceMaterial make_cut_material(const CutOptions& options, const Context& ctx) {
+    return {.bark = std::make_shared<const BarkMaps>(make_cut(options, ctx)),
+            .tile = TileSize{options.diameter, options.diameter}};
+}
+
 std::uint64_t compute_memory(const SurfaceMaterial& material) {
     constexpr std::uint64_t kBytesOfTexel = 10;
     return material.bark ? kBytesOfTexel * material.bark->size() : 0;
@@ -93,6 +98,18 @@ MaterialFiles write_images(const SurfaceMaterial& material, const std::filesyste
     out.roughness = make_bark_file_name(prefix, "roughness");
     out.occlusion = make_bark_file_name(prefix, "occlusion");
     out.packed = make_bark_file_name(prefix, "orm");
+    return out;
+}
+
+std::vector<MaterialFiles> write_images(std::span<const SurfaceMaterial> materials,
+                                        const std::filesystem::path& file, const Context& ctx) {
+    std::vector<MaterialFiles> out;
+    for (SurfaceMaterial material : materials) {
+        make_name_unique(material.files, out);
+        const std::string name = material.files.name;
+        out.push_back(material.empty() ? MaterialFiles{} : write_images(material, file, ctx));
+        out.back().name = name;
+    }
     return out;
 }
 

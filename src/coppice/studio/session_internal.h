@@ -132,6 +132,9 @@ std::map<std::string, Handler> menu_requests();
 std::map<std::string, Handler> sketch_requests();
 std::map<std::string, Handler> motion_requests();
 std::map<std::string, Handler> material_requests();
+/// Offers the images of the materials of a surface; returns their keys by slot. Equal images have equal keys,
+/// so that clients can keep them.
+Json offer_images(Studio& studio, std::span<const SurfaceMaterial> materials);
 /// @}
 
 /// Returns the path for writing a file of that name. Throws IoError if the folder sandbox refuses it, or if

@@ -1,19 +1,20 @@
 // Materials of meshes: their images as textures, shared by all meshes that show them.
 import * as THREE from "three";
 import type { Engine } from "../app";
+import type { ImageKeys } from "../protocol";
 import { kRoughness } from "./tubes";
 
 const kProperties = { color: "map", normal: "normalMap", roughness: "roughnessMap", occlusion: "aoMap" } as const;
 const kAnisotropy = 4; // maximum number of samples of a texture where it is seen at a grazing angle
 
-type ImageName = keyof typeof kProperties;
+type ImageName = keyof ImageKeys;
 
 /** The images of a material, by the properties of the shader. */
 export type Maps = Partial<Record<(typeof kProperties)[ImageName], THREE.Texture>>;
 
-/** The images of a mesh, until they are released. */
+/** The images of a mesh by slot, until they are released. */
 export interface HeldMaps {
-    maps: Maps;
+    maps: Maps[];
     release(): void;
 }
 
@@ -54,16 +55,29 @@ export class Materials {
 
     constructor(private readonly engine: Engine) {}
 
-    /** The images of the material of a mesh. Those that are already in use are not requested again. */
+    /** The images of the materials of a mesh. Those that are already in use are not requested again. */
     async take(mesh: string): Promise<HeldMaps> {
         ++this.taking;
         try {
-            const { images } = await this.engine.request<{ images: Partial<Record<ImageName, string>> }>("material", { name: mesh });
-            const all = Object.entries(images) as [ImageName, string][];
-            const release = () => all.forEach(([, key]) => this.release(key));
-            const coming = all.map(async ([name, key]) => [kProperties[name], await this.hold(key, name === "color")] as const);
+            const { images } = await this.engine.request<{ images: ImageKeys[] }>("material", { name: mesh });
+            return await this.takeImages(images);
+        } finally {
+            --this.taking;
+        }
+    }
+
+    /** The same for known keys, by slot. */
+    async takeImages(images: ImageKeys[]): Promise<HeldMaps> {
+        ++this.taking;
+        try {
+            const slots = images.map((keys) => Object.entries(keys) as [ImageName, string][]);
+            const release = () => slots.flat().forEach(([, key]) => this.release(key));
+            const coming = slots.map(async (keys) => {
+                const maps = keys.map(async ([name, key]) => [kProperties[name], await this.hold(key, name === "color")] as const);
+                return Object.fromEntries(await Promise.all(maps)) as Maps;
+            });
             try {
-                return { maps: Object.fromEntries(await Promise.all(coming)), release };
+                return { maps: await Promise.all(coming), release };
             } catch (error) {
                 release();
                 throw error;

@@ -138,11 +138,9 @@ export class ObjectView {
     setTint(tint: THREE.ColorRepresentation | null): boolean {
         const before = this.tint;
         this.tint = tint;
-        for (const material of [this.surface?.mesh.material, this.tubes?.mesh.material]) {
-            material?.emissive.set(tint ?? "black");
-            if (material) {
-                material.emissiveIntensity = tint ? 0.3 : 1;
-            }
+        for (const material of [...(this.surface?.materials ?? []), ...(this.tubes ? [this.tubes.mesh.material] : [])]) {
+            material.emissive.set(tint ?? "black");
+            material.emissiveIntensity = tint ? 0.3 : 1;
         }
         return tint !== before;
     }
@@ -161,15 +159,21 @@ export class ObjectView {
         }
         if (this.tubes) {
             this.tubes.group.visible = needsTubes;
-            this.setMaterial(this.tubes.mesh.material, look);
+            this.setMaterial(this.tubes.mesh, this.tubes.mesh.material, look);
             this.tubes.follow();
         }
         if (this.surface) {
             this.surface.group.visible = !this.isCovered && !needsTubes && (this.object.kind !== "skeleton" || display.skeletons.peek() === "surface");
-            if (this.surface.paint(look.range, kMeanings[display.color.peek()]?.map ?? "even")) {
-                this.surface.mesh.material.needsUpdate = true;
-            }
-            this.setMaterial(this.surface.mesh.material, look);
+            const { surface } = this;
+            const isPainted = surface.paint(look.range, kMeanings[display.color.peek()]?.map ?? "even");
+            surface.materials.forEach((material, slot) => {
+                if (isPainted) {
+                    material.needsUpdate = true;
+                }
+                material.vertexColors = surface.mesh.geometry.hasAttribute("color");
+                setMaps(material, this.showsImages(look) ? (this.images?.maps[slot] ?? {}) : {});
+                this.setMaterial(surface.mesh, material, look);
+            });
             const wire = this.object.kind === "solid" && look.glass ? look.faintWire : look.wire;
             this.surface.setWireframe(display.wireframe.peek() ? wire : null);
         }
@@ -264,7 +268,7 @@ export class ObjectView {
         }
     }
 
-    private setMaterial(material: ShadedMaterial, look: Look): void {
+    private setMaterial(mesh: THREE.Mesh, material: ShadedMaterial, look: Look): void {
         const { kind } = this.object;
         const isCut = look.clip.length > 0;
         const isGlass = kind === "solid" && look.glass;
@@ -278,16 +282,9 @@ export class ObjectView {
         material.depthWrite = !isGlass;
         material.clippingPlanes = look.clip;
         material.clipShadows = isCut;
-        if (material === this.surface?.mesh.material) {
-            material.vertexColors = this.surface.mesh.geometry.hasAttribute("color");
-            setMaps(this.surface.mesh.material, this.showsImages(look) ? (this.images?.maps ?? {}) : {});
-        }
         material.color.set(material.vertexColors || material.map ? "white" : this.baseColor(look));
-        const mesh = material === this.surface?.mesh.material ? this.surface.mesh : this.tubes?.mesh;
-        if (mesh) {
-            mesh.castShadow = !isGlass;
-            mesh.renderOrder = isGlass ? 1 : 0;
-        }
+        mesh.castShadow = !isGlass;
+        mesh.renderOrder = isGlass ? 1 : 0;
         material.polygonOffset = look.display.wireframe.peek(); // offset for the lines
         material.polygonOffsetFactor = 1;
         material.polygonOffsetUnits = 1;
@@ -319,7 +316,9 @@ export class ObjectView {
 
     private putSurface(geometry: Geometry, look: Look, index?: Uint32Array): void {
         this.dropSurface();
-        this.surface = new SurfaceModel(geometry.header, geometry.arrays, cutShader(look.theme), index);
+        const slots = geometry.header.slots ?? [0];
+        const materials = slots.map(() => cutShader(look.theme));
+        this.surface = new SurfaceModel(geometry.header, geometry.arrays, materials, index);
         this.group.add(this.surface.group);
         this.isStale = false;
         this.apply(this.look ?? look);

@@ -36,6 +36,7 @@ interface Entry {
     shown: ObjectView;
     requested: Map<Slot, string>; // last request for each slot, received or pending
     surfaceOf: number; // version of the object that the drawn surface shows
+    dressed: number; // number of surfaces for which images were requested
     timer: ReturnType<typeof setTimeout> | undefined;
 }
 
@@ -132,6 +133,9 @@ export class Objects {
         }
         if (kind !== "patch") {
             entry.shown.put(slot, geometry, this.look());
+            if (geometry.header.images) {
+                void this.dress(entry, object, geometry);
+            }
         } else if (!entry.shown.patch(geometry, this.look())) {
             entry.requested.delete("surface"); // based on a state that the page does not have
             return;
@@ -175,7 +179,7 @@ export class Objects {
         let entry = this.entries.get(key);
         if (!entry) {
             const shown = new ObjectView({ kind: object.kind, name: object.name }, this.changed);
-            entry = { shown, requested: new Map(), surfaceOf: -1, timer: undefined };
+            entry = { shown, requested: new Map(), surfaceOf: -1, dressed: 0, timer: undefined };
             this.entries.set(key, entry);
             this.group.add(shown.group);
         }
@@ -325,20 +329,22 @@ export class Objects {
             this.markCurrent(entry);
             this.cover();
         }
-        if (object.kind === "mesh" && geometry) {
+        if (slot === "surface" && geometry) {
             void this.dress(entry, object, geometry);
         }
         this.changed();
     }
 
     // The images are requested for each version of a mesh; those that it has already are kept until then.
-    private async dress(entry: Entry, object: SceneObject, geometry: Geometry): Promise<void> {
+    private async dress(entry: Entry, object: ObjectName, geometry: Geometry): Promise<void> {
+        const turn = ++entry.dressed;
         try {
-            const images = geometry.arrays.uv ? await this.materials.take(object.name) : null;
-            if (this.entries.get(keyOf(object)) === entry && entry.surfaceOf === object.version) {
+            const { images: keys } = geometry.header;
+            const images = !geometry.arrays.uv ? null : await (keys ? this.materials.takeImages(keys) : this.materials.take(object.name));
+            if (this.entries.get(keyOf(object)) === entry && entry.dressed === turn) {
                 entry.shown.dress(images, this.look());
             } else {
-                images?.release(); // a newer version requests its own
+                images?.release(); // a newer surface requests its own
             }
         } catch (error) {
             this.complain(object, "cannot be shown with its material", error as Error);

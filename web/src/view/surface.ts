@@ -15,7 +15,7 @@ function grown<T extends Float32Array | Int8Array | Uint32Array | Uint8Array>(ar
 
 export class SurfaceModel {
     readonly group = new THREE.Group();
-    readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
+    readonly mesh: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial | THREE.MeshStandardMaterial[]>;
     private lines: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial> | null = null;
     private readonly uv: Float32Array | undefined; // of surfaces with a material
     private position: Float32Array;
@@ -29,11 +29,11 @@ export class SurfaceModel {
     private painted: Range | null = null;
     private tree: TriangleTree | null = null; // for picking
 
-    /** `index`: triangles of the quads, if a worker has already computed them. */
+    /** `materials`: one, or one for each slot. `index`: triangles of the quads, if a worker has already computed them. */
     constructor(
         private header: Geometry["header"],
         arrays: Geometry["arrays"],
-        material: THREE.MeshStandardMaterial,
+        readonly materials: readonly THREE.MeshStandardMaterial[],
         index?: Uint32Array,
     ) {
         this.position = arrays.position as Float32Array;
@@ -44,7 +44,7 @@ export class SurfaceModel {
         this.quadCount = this.quads.length / 4;
         this.index = index && this.triangles.length === 0 ? index : this.makeIndex();
         this.uv = arrays.uv as Float32Array | undefined;
-        this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
+        this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), materials.length === 1 ? materials[0] : [...materials]);
         this.mesh.frustumCulled = false;
         this.mesh.castShadow = true;
         this.mesh.receiveShadow = true;
@@ -159,7 +159,7 @@ export class SurfaceModel {
     dispose(): void {
         this.dropLines();
         this.mesh.geometry.dispose();
-        this.mesh.material.dispose();
+        this.materials.forEach((material) => material.dispose());
     }
 
     private patchQuads(quads: Uint32Array | undefined, ranges: [number, number][]): void {
@@ -219,6 +219,21 @@ export class SurfaceModel {
         }
         geometry.setIndex(changing(new THREE.BufferAttribute(this.index, 1)));
         geometry.setDrawRange(0, this.triangles.length + 6 * this.quadCount);
+        this.setGroups();
+    }
+
+    // Surfaces with slots consist of quads or of triangles, sorted by slot.
+    private setGroups(): void {
+        const { geometry } = this.mesh;
+        const corners = this.triangles.length > 0 ? 3 : 6;
+        let first = 0;
+        geometry.clearGroups();
+        if (this.materials.length > 1) {
+            (this.header.slots ?? []).forEach((count, slot) => {
+                geometry.addGroup(first, corners * count, slot);
+                first += corners * count;
+            });
+        }
     }
 
     private update(name: string, first: number, count: number): void {

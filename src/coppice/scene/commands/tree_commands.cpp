@@ -299,6 +299,21 @@ TextureOptions texture_options(const SceneCall& call, MeshMethod method) {
     return texture;
 }
 
+/// Returns the slots that the materials of twigs and cuts require. Throws InvalidInput for options without
+/// the others that they need.
+SlotOptions slot_options(const SceneCall& call, MeshMethod method) {
+    auto slots = call.options<SlotOptions>("slots");
+    slots.twigs = call.has("twig_material");
+    slots.cuts = call.has("cut_material");
+    if ((slots.twigs || slots.cuts) && !call.has("material"))
+        throw InvalidInput("twig_material= and cut_material= need material= for the other faces");
+    if (slots.twigs && method == MeshMethod::cylinders)
+        throw InvalidInput("twig_material= needs another method than cylinders");
+    if (!slots.twigs && slots.twig_diameter != SlotOptions{}.twig_diameter)
+        throw InvalidInput("twig_diameter= needs twig_material=");
+    return slots;
+}
+
 /// Returns the outcome of a mesh command; `output` is its output.
 SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string output) {
     if (call.flag("displace")) output += displace(call, result);
@@ -308,7 +323,11 @@ SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string
         surface.texture = std::move(result.texture->points);
         surface.texture_blends = std::move(result.texture->blends);
     }
-    if (call.has("material")) surface.material = call.material(call.text("material"));
+    if (call.has("material")) {
+        for (const char* slot : {"material", "twig_material", "cut_material"})
+            surface.materials.push_back(call.has(slot) ? call.material(call.text(slot)) : SurfaceMaterial{});
+        surface.slots = std::move(result.slots);
+    }
     const std::uint64_t bytes = compute_memory(surface);
     SceneOutcome out = makes(call.text("name"), std::move(surface), bytes);
     out.text = std::move(output);
@@ -342,6 +361,12 @@ SceneCommand mesh_command() {
     }
     c.arguments.push_back(
         object_option("material", ObjectKind::material, "Material of the bark; needs uv=bark."));
+    c.arguments.push_back(object_option("twig_material", ObjectKind::material,
+                                        "Material of the bark of twigs; needs material=."));
+    add_options(c.arguments, SlotOptions{}, "slots");
+    c.arguments.push_back(object_option("cut_material", ObjectKind::material,
+                                        "Material of flat ends, of which the colour is a picture of a cut "
+                                        "that fills it; needs material=."));
     c.arguments.push_back({.name = "displace",
                            .help = "Displace the surface by the heights of the material.",
                            .type = ArgumentType::flag,
@@ -351,6 +376,7 @@ SceneCommand mesh_command() {
         const Skeleton& skeleton = call.skeleton(call.text("tree"));
         auto options = call.options("mesh", options_of_written_surface());
         options.texture = texture_options(call, options.method);
+        options.slots = slot_options(call, options.method);
         const int faces = call.options<FaceNumber>("number").faces;
         if (faces > 0)
             return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));

@@ -74,15 +74,20 @@ Json offer_files(Studio& studio, const SurfaceMaterial& material) {
     return keys;
 }
 
-/// Offers the images of the material of a mesh. Equal images have equal keys, so that clients can keep them.
+/// Offers the images of the materials of a mesh.
 Json material(Studio& studio, const Request& request) {
     const ObjectPtr mesh = studio.object(ObjectKind::mesh, request.text("name"));
-    const auto& material = std::get<Surface>(mesh->value).material;
-    if (!material) return {{"images", Json::object()}};
-    return {{"images", material->bark ? offer_bark(studio, *material) : offer_files(studio, *material)}};
+    return {{"images", offer_images(studio, std::get<Surface>(mesh->value).materials)}};
 }
 
 }  // namespace
+
+Json offer_images(Studio& studio, std::span<const SurfaceMaterial> materials) {
+    Json images = Json::array();
+    for (const SurfaceMaterial& material : materials)
+        images.push_back(material.bark ? offer_bark(studio, material) : offer_files(studio, material));
+    return images;
+}
 
 std::map<std::string, Handler> material_requests() { return {{"material", material}}; }
 

@@ -79,11 +79,17 @@ class MotionRequest {
 
     const std::string& name() const { return name_; }
     const ObjectPtr& object() const { return object_; }
+    const ObjectPtr& material() const { return material_; }  ///< null without one
     const Skeleton& tree() const { return std::get<Skeleton>(object_->value); }
     const AnimationOptions& options() const { return options_; }
     /// Equal for two requests of the same motion of equal trees.
     std::string text() const { return call_.typed() + "\n" + keys_; }
     void reserve(double bytes) const { call_.reserve(bytes); }
+    /// Returns the material of the surface; none without one.
+    std::vector<SurfaceMaterial> materials() const {
+        if (!material_) return {};
+        return {std::get<SurfaceMaterial>(material_->value)};
+    }
     /// Returns the images of the material for a file; none without a material.
     MaterialFiles images(const fs::path& file) const {
         if (!material_) return {};
@@ -227,7 +233,9 @@ Json animate(Studio& studio, const Request& request) {
 class CachedMotion {
   public:
     CachedMotion(const MotionRequest& motion_request, const Context& ctx)
-        : object_(motion_request.object()), text_(motion_request.text()) {
+        : object_(motion_request.object()),
+          material_(motion_request.material()),
+          text_(motion_request.text()) {
         if (motion_request.options().grow) {
             const GrowthFrames frames = growth_frames(motion_request.options().run);
             seconds_ = frames.seconds;
@@ -242,24 +250,31 @@ class CachedMotion {
     }
 
     bool matches(const MotionRequest& motion_request) const {
-        return object_ == motion_request.object() && text_ == motion_request.text();
+        return object_ == motion_request.object() && material_ == motion_request.material() &&
+               text_ == motion_request.text();
     }
     double seconds() const { return seconds_; }
     std::size_t frames() const { return frames_; }
 
     /// Folds and crossings of branches are not prevented: that requires all previous frames, as in a film.
-    QuadMesh at(double time, const MotionRequest& motion_request, const Context& ctx) {
+    Surface at(double time, const MotionRequest& motion_request, const Context& ctx) {
         if (growing_) {
             MeshResult made = motion_request.grown(growing_->at(time / seconds_), ctx);
-            return std::move(made.quads().mesh);
+            return make_surface(std::move(made.quads().mesh), made, motion_request);
         }
-        QuadMesh out = mesh_->made().quads().mesh;
-        out.positions = mesh_->deform(motion_->at(time), {}, ctx).positions;
-        return out;
+        QuadMesh moved = mesh_->made().quads().mesh;
+        moved.positions = mesh_->deform(motion_->at(time), {}, ctx).positions;
+        return make_surface(std::move(moved), mesh_->made(), motion_request);
     }
 
   private:
-    ObjectPtr object_;
+    static Surface make_surface(QuadMesh mesh, const MeshResult& made, const MotionRequest& motion_request) {
+        Surface out{.mesh = std::move(mesh), .materials = motion_request.materials()};
+        if (made.texture) out.texture = made.texture->points;
+        return out;
+    }
+
+    ObjectPtr object_, material_;  ///< `material_` may be null
     std::string text_;
     double seconds_ = 0;
     std::size_t frames_ = 0;
@@ -270,7 +285,7 @@ class CachedMotion {
 
 namespace {
 
-/// Returns the surface of an animated tree at one time.
+/// Returns the surface of an animated tree at one time, and the images of its bark.
 Json frame(Studio& studio, const Request& request) {
     const MotionRequest motion_request(studio, request);
     if (!studio.motion || !studio.motion->matches(motion_request)) {
@@ -279,11 +294,12 @@ Json frame(Studio& studio, const Request& request) {
     }
     CachedMotion& motion = *studio.motion;
     const double time = std::clamp(request.number("time"), 0.0, motion.seconds());
-    const SceneObject object{Surface{motion.at(time, motion_request, request.ctx)}, 0};
+    const SceneObject object{motion.at(time, motion_request, request.ctx), 0};
     const GeometryHead head{
         ObjectKind::skeleton, motion_request.name(), studio.notes.of(motion_request.object()).version, {}};
     std::string blob = encode_object(object, head, 1, StudioColor::plain, request.ctx);
     return {{"key", studio.blobs.offer(std::move(blob))},
+            {"images", offer_images(studio, motion_request.materials())},
             {"time", time},
             {"duration", motion.seconds()},
             {"frames", motion.frames()}};

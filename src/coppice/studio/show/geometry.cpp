@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "coppice/base/compressed_rows.h"
 #include "coppice/base/error.h"
 #include "coppice/base/id.h"
 #include "coppice/implicit/polygonize/polygonize.h"
@@ -209,13 +210,38 @@ std::string encode_axes(const SceneObject& object, const GeometryHead& head, Stu
     return writer.finish();
 }
 
+/// Sorts the faces of a surface by slot. `mesh` are its polygons, with texture coordinates. Returns the
+/// number of faces of each slot as they are encoded: quads, or triangles of other polygons.
+std::vector<std::uint32_t> sort_by_slot(PolygonMesh& mesh, const Surface& surface) {
+    const bool has_quads = std::holds_alternative<QuadMesh>(surface.mesh);
+    const CompressedRows<std::uint32_t> faces = group_by(surface.slots, surface.materials.size());
+    PolygonMesh sorted;
+    std::vector<std::uint32_t> counts;
+    for (std::size_t slot = 0; slot < faces.size(); ++slot) {
+        counts.push_back(0);
+        for (const std::uint32_t f : faces[slot]) {
+            const auto corners = mesh.face(f);
+            const auto places = std::span(mesh.texture).subspan(mesh.first[f], corners.size());
+            sorted.add_face(corners);
+            sorted.texture.insert(sorted.texture.end(), places.begin(), places.end());
+            counts.back() += has_quads ? 1 : static_cast<std::uint32_t>(corners.size()) - 2;
+        }
+    }
+    mesh.corners = std::move(sorted.corners);
+    mesh.first = std::move(sorted.first);
+    mesh.texture = std::move(sorted.texture);
+    return counts;
+}
+
 /// Encodes a surface with texture coordinates, divided at its texture seams.
 std::string encode_textured(const Surface& surface, std::span<const TexturePoint> texture,
                             const GeometryHead& head) {
     PolygonMesh mesh = make_polygons(surface);
-    TextureTable table = make_texture_table(mesh.corners, {texture, {}}, mesh.positions.size());
-    const std::vector<Vec3> positions = divide_at_seams(std::span<const Vec3>(mesh.positions), table);
+    mesh.texture.assign(texture.begin(), texture.end());
     GeometryWriter writer("surface", head, mesh.origin);
+    if (!surface.slots.empty()) writer.header()["slots"] = sort_by_slot(mesh, surface);
+    TextureTable table = make_texture_table(mesh.corners, {mesh.texture, {}}, mesh.positions.size());
+    const std::vector<Vec3> positions = divide_at_seams(std::span<const Vec3>(mesh.positions), table);
     if (std::holds_alternative<QuadMesh>(surface.mesh)) {
         const std::span<const Quad> quads{reinterpret_cast<const Quad*>(table.of_corner.data()),
                                           table.of_corner.size() / kCornersOfQuad};
@@ -230,7 +256,7 @@ std::string encode_textured(const Surface& surface, std::span<const TexturePoint
 
 /// Returns the texture coordinates of a surface with a material; otherwise they are not displayed.
 std::span<const TexturePoint> find_texture(const Surface& surface) {
-    if (!surface.material) return {};
+    if (surface.materials.empty()) return {};
     const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
     if (surface.texture.empty() && polygons != nullptr) return polygons->texture;
     return surface.texture;

@@ -1,6 +1,8 @@
 // Shows a film in the view: fetches and stores frames in sequence, and plays those that have arrived.
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { App, Geometry } from "../../../app";
+import type { ImageKeys } from "../../../protocol";
+import { barkOf } from "../../../view/sources";
 import { type Film, frameAt, frameCount, motionFields, moves, timeOf } from "./timeline";
 
 const kMaxBytes = 256 * 1024 * 1024; // of stored frames
@@ -20,6 +22,7 @@ export class Player {
     private readonly frames = new Map<number, Geometry>();
     private bytes = 0;
     private about = ""; // motion of the stored frames
+    private bark: string | undefined; // name of a material
     private version = -1; // version of their tree
     private coming = new Set<number>(); // requested frames
     private shown = -1; // frame
@@ -34,7 +37,8 @@ export class Player {
         this.stopWatching = effect(() => {
             void this.film.value;
             const tree = this.app.store.state.value.objects.find(({ kind, name }) => kind === "skeleton" && name === this.film.value.tree);
-            this.follow(JSON.stringify(motionFields(this.film.value)), tree?.version ?? 0);
+            this.bark = barkOf(this.app.store, this.film.value.tree);
+            this.follow(JSON.stringify([motionFields(this.film.value), this.bark]), tree?.version ?? 0);
         });
     }
 
@@ -176,10 +180,11 @@ export class Player {
         coming.add(frame);
         const film = this.film.peek();
         try {
-            const { key } = await this.app.engine.request<{ key: string }>("frame", { ...motionFields(film), time: timeOf(film, frame) });
+            const fields = { ...motionFields(film), material: this.bark, time: timeOf(film, frame) };
+            const { key, images } = await this.app.engine.request<{ key: string; images: ImageKeys[] }>("frame", fields);
             const geometry = await this.app.engine.blob(key);
             if (about === this.about) {
-                this.keep(frame, geometry);
+                this.keep(frame, { ...geometry, header: { ...geometry.header, images } });
                 this.show();
             }
         } catch (error) {
@@ -198,12 +203,13 @@ export class Player {
             this.frames.clear();
             this.bytes = 0;
         }
-        const { position, normal, quads } = geometry.arrays;
-        const alike = this.film.peek().grow ? undefined : [...this.frames.values()][0]?.arrays.quads;
-        // Copies: the arrays are views of the whole response, and a film needs the faces once.
-        const kept = { header: geometry.header, arrays: { position: position.slice(), normal: normal.slice(), quads: alike ?? quads.slice() } };
-        this.frames.set(frame, kept);
-        this.bytes += bytesOf(kept) - (alike?.byteLength ?? 0);
+        const { position, normal, ...common } = geometry.arrays;
+        const alike = this.film.peek().grow ? undefined : [...this.frames.values()][0]?.arrays;
+        // Copies: the arrays are views of the whole response, and a film needs the faces and their bark once.
+        const copied = { position: position.slice(), normal: normal.slice() };
+        const shared = Object.fromEntries(Object.entries(common).map(([name, array]) => [name, alike?.[name] ?? array.slice()]));
+        this.frames.set(frame, { header: geometry.header, arrays: { ...shared, ...copied } });
+        this.bytes += bytesOf({ ...geometry, arrays: alike ? copied : geometry.arrays });
         this.fetched.value = this.frames.size;
     }
 }
