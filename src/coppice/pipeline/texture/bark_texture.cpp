@@ -77,17 +77,28 @@ class FaceTransfer {
   public:
     FaceTransfer(std::span<const Vec3> positions, const TextureTransfer& transfer, const RadiiBeyond& beyond,
                  const Context& ctx)
-        : positions_(positions), transfer_(transfer), beyond_(beyond), ctx_(ctx), found_(positions.size()) {}
+        : positions_(positions),
+          transfer_(transfer),
+          beyond_(beyond),
+          ctx_(ctx),
+          number_(positions.size(), kNoIndex) {}
 
     // Finds the points of the vertices that are marked.
     void find_vertices(std::span<const std::uint8_t> wanted) {
+        std::vector<std::uint32_t> vertices;
+        for (std::uint32_t v = 0; v < positions_.size(); ++v) {
+            if (wanted[v] == 0) continue;
+            number_[v] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(v);
+        }
+        found_.resize(vertices.size());
         if (transfer_.empty()) return;
-        parallel_for_ranges(ctx_, positions_.size(), kFaceGrain, [&](IndexRange range) {
+        parallel_for_ranges(ctx_, vertices.size(), kFaceGrain, [&](IndexRange range) {
             std::uint32_t nearest = kNoIndex;  // of the last vertex, which is often close to the next
-            for (std::size_t v = range.begin; v < range.end; ++v) {
-                if (wanted[v] == 0) continue;
-                nearest = transfer_.find_nearest(Vec3d(positions_[v]), nearest);
-                found_[v] = transfer_.evaluate(nearest, positions_[v]);
+            for (std::size_t i = range.begin; i < range.end; ++i) {
+                const Vec3 p = positions_[vertices[i]];
+                nearest = transfer_.find_nearest(Vec3d(p), nearest);
+                found_[i] = {nearest, transfer_.evaluate(nearest, p)};
             }
         });
     }
@@ -97,16 +108,21 @@ class FaceTransfer {
     bool set(const std::array<std::uint32_t, N>& face, std::size_t index, FaceTexture& texture) const {
         const auto out = std::span(texture.points).subspan(N * index, N);
         std::array<BarkPoint, N> corners;
-        for (std::size_t k = 0; k < N; ++k) corners[k] = found_[face[k]];
+        for (std::size_t k = 0; k < N; ++k) corners[k] = found_[number_[face[k]]].point;
         const BarkPoint& first = corners[0];
         BarkPoint own = first;
         Vec3 center = positions_[face[0]];  // at which `own` is
         if (std::ranges::any_of(corners, [&](const BarkPoint& c) { return c.axis != first.axis; })) {
             center = {};
             for (const std::uint32_t v : face) center += positions_[v] * (1.0f / N);
-            own = transfer_.empty() ? BarkPoint{} : transfer_.find(center);
+            // The quads found before are close, and bound the searches.
+            const std::uint32_t nearest =
+                transfer_.find_nearest(Vec3d(center), found_[number_[face[0]]].nearest);
+            own = transfer_.evaluate(nearest, center);
             for (std::size_t k = 0; k < N; ++k) {
-                if (corners[k].axis != own.axis) corners[k] = transfer_.find(positions_[face[k]], own.axis);
+                if (corners[k].axis == own.axis) continue;
+                const Vec3 p = positions_[face[k]];
+                corners[k] = transfer_.evaluate(transfer_.find_nearest(Vec3d(p), nearest, own.axis), p);
             }
         }
         if (own.axis != kNoIndex) {
@@ -122,11 +138,18 @@ class FaceTransfer {
     }
 
   private:
+    // The closest quad to a vertex, and its point there.
+    struct Found {
+        std::uint32_t nearest = kNoIndex;
+        BarkPoint point;
+    };
+
     std::span<const Vec3> positions_;
     const TextureTransfer& transfer_;
     const RadiiBeyond& beyond_;
     const Context& ctx_;
-    std::vector<BarkPoint> found_;
+    std::vector<std::uint32_t> number_;  // per vertex: its place in `found_`
+    std::vector<Found> found_;
 };
 
 // Sets the faces that are marked, and counts them.
@@ -280,7 +303,7 @@ class QuadTexture {
         }
         project_on_plane(face_positions(mesh_.quads[face], mesh_.positions),
                          {center, normal, perpendicular(normalized(normal))}, density, corners(face));
-        is_open_[face] = 0;
+        is_open_[face] = texture_area(corners(face)) > 0 ? 0 : 1;  // quads may be turned over against the end
     }
 
     // Sets the quads that replaced tubes, and those of irregular forks.

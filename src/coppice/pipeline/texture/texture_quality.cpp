@@ -35,6 +35,9 @@ bool is_flipped(std::span<const TexturePoint> face) {
     return false;
 }
 
+// Number of faces up to which all densities are measured.
+constexpr std::size_t kMaxSamples = std::size_t{1} << 17;
+
 // One face of a texture.
 struct FaceDensity {
     float density;  // [tiles per tile of the given width]
@@ -67,17 +70,21 @@ std::array<double, 3> density_quantiles(std::vector<FaceDensity> faces, std::arr
     return out;
 }
 
-// Calls face(i) for the positions and the coordinates of a face.
-template <class Face>
-void measure(std::size_t count, const Face& face, float tile, TextureReport& report, const Context& ctx) {
-    std::vector<FaceDensity> density(count);
+// Calls corners(i) for the coordinates of a face, and surface_area(i) [m^2]. The densities are those of
+// evenly chosen faces.
+template <class Corners, class Area>
+void measure(std::size_t count, const Corners& corners, const Area& surface_area, float tile,
+             TextureReport& report, const Context& ctx) {
+    const std::size_t step = count / kMaxSamples | 1;  // odd, unlike the numbers of quads of a patch
+    std::vector<FaceDensity> density((count + step - 1) / step);
     std::vector<std::uint8_t> flipped(count);
     parallel_for(ctx, count, kFaceGrain, [&](std::size_t i) {
-        const auto [positions, corners] = face(i);
-        const double surface = area(std::span<const Vec3>(positions));
-        const double ratio = surface > 0 ? std::sqrt(std::max(texture_area(corners), 0.0) / surface) : 0;
-        density[i] = {static_cast<float>(ratio * double{tile}), static_cast<float>(surface)};
-        flipped[i] = texture_area(corners) < 0 ? 1 : 0;
+        const double mapped = texture_area(corners(i));
+        flipped[i] = mapped < 0 ? 1 : 0;
+        if (i % step != 0) return;
+        const double surface = surface_area(i);
+        const double ratio = surface > 0 ? std::sqrt(std::max(mapped, 0.0) / surface) : 0;
+        density[i / step] = {static_cast<float>(ratio * double{tile}), static_cast<float>(surface)};
     });
     report.flipped = static_cast<std::uint64_t>(std::ranges::count(flipped, 1));
     const auto q = density_quantiles(std::move(density), {0.05, 0.5, 0.95});
@@ -90,10 +97,9 @@ template <std::size_t N>
 void measure_equal(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
                    std::span<const TexturePoint> texture, float tile, TextureReport& report,
                    const Context& ctx) {
-    const auto face = [&](std::size_t i) {
-        return std::pair(face_positions(faces[i], positions), texture.subspan(N * i, N));
-    };
-    measure(faces.size(), face, tile, report, ctx);
+    measure(
+        faces.size(), [&](std::size_t i) { return texture.subspan(N * i, N); },
+        [&](std::size_t i) { return area(face_positions(faces[i], positions)); }, tile, report, ctx);
 }
 
 }  // namespace
@@ -138,13 +144,15 @@ void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> posi
 void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, float tile,
                      TextureReport& report, const Context& ctx) {
     const AtlasFaces faces(mesh);
-    const auto face = [&](std::size_t i) {
-        const auto f = static_cast<std::uint32_t>(i);
+    const auto surface_area = [&](std::size_t i) {
         std::vector<Vec3> positions;
-        for (const std::uint32_t v : mesh.face(f)) positions.push_back(mesh.positions()[v]);
-        return std::pair(std::move(positions), faces.values(texture, f));
+        for (const std::uint32_t v : mesh.face(static_cast<std::uint32_t>(i)))
+            positions.push_back(mesh.positions()[v]);
+        return area(positions);
     };
-    measure(mesh.size(), face, tile, report, ctx);
+    measure(
+        mesh.size(), [&](std::size_t i) { return faces.values(texture, static_cast<std::uint32_t>(i)); },
+        surface_area, tile, report, ctx);
 }
 
 }  // namespace coppice::pipeline_internal

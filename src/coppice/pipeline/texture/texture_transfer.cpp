@@ -110,10 +110,6 @@ std::uint32_t TextureTransfer::find_nearest(Vec3d p, std::uint32_t near, std::ui
     return nearest;
 }
 
-BarkPoint TextureTransfer::find(Vec3 point, std::uint32_t axis) const {
-    return evaluate(find_nearest(Vec3d(point), kNoIndex, axis), point);
-}
-
 BarkPoint TextureTransfer::evaluate(std::uint32_t nearest, Vec3 point) const {
     if (nearest == kNoIndex) return {};
     const CarrierQuad& q = quads_[nearest];

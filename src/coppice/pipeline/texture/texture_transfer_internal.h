@@ -33,8 +33,6 @@ class TextureTransfer {
                     const Context& ctx);
 
     bool empty() const { return quads_.empty(); }  ///< whether there are no quads
-    /// Returns the coordinates for a point near the surface; if given, on this branch. O(log n).
-    BarkPoint find(Vec3 p, std::uint32_t axis = kNoIndex) const;
     /// Returns the index of the closest quad; kNoIndex if there is none. `near`: a quad at which the search
     /// begins, or kNoIndex; one near the point makes it faster and does not change the result. If given, on
     /// this branch. O(log n).
