@@ -83,6 +83,19 @@ TEST(StemForm, MeasuresHalfAStem) {
     EXPECT_LT(form.breast.coverage, 0.6);
 }
 
+TEST(StemForm, MeasuresASparseArcOfAStemBesideAGap) {
+    // A third of a cylinder, 120 degrees, with 400 points on 4.2 m2, and none from 1.4 to 2.1 m: a slice of
+    // 20 cm has 8 points, too few for a circle, one of a metre 40.
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+        PointSet points;
+        strew_cone(points, {0, 0, 0}, {0, 0, 10}, 0.2, 0.2, 600, 0.01, true, seed);
+        std::erase_if(points.positions, [](Vec3 p) { return p.x < 0.1f || (p.z > 1.4f && p.z < 2.1f); });
+        const StemForm form = stem_form(points);
+        EXPECT_EQ(form.stems, 1u) << seed;
+        EXPECT_NEAR(form.breast.diameter, 0.4, 0.04) << seed;
+    }
+}
+
 TEST(StemForm, MeasuresAboveTheGroundOnASlope) {
     PointSet set = leaning_stem();
     add_ground(set, 0.3);

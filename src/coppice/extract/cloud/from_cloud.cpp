@@ -94,6 +94,16 @@ struct PathCloud {
     double gap = 0;  ///< [m] maximum length of a link between neighbours
 };
 
+/// Returns the measured stems. The noise of the points is estimated from the spacing in `search` and, if no
+/// stem is found, from the median distance to the closest point, which is less where points are few.
+std::vector<StemAxis> find_stems_of_cloud(const Cloud& cloud, const Terrain& terrain, StemAxisSearch search,
+                                          const Context& ctx) {
+    std::vector<StemAxis> stems = find_stem_axes(cloud.points, terrain, search, ctx);
+    if (!stems.empty()) return stems;
+    search.spacing = median(local_spacing(cloud.near, 1));
+    return find_stem_axes(cloud.points, terrain, search, ctx);
+}
+
 /// Marks plants that grow on the ground near the stems; returns the number of points.
 std::uint64_t mark_understorey(Cloud& cloud, const Terrain& terrain, std::span<const StemAxis> stems,
                                double spacing, double gap, const Context& ctx) {
@@ -295,7 +305,7 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
     const Buffer<float> spacing = local_spacing(cloud.near, kSpacingRank);
     cleaning.spacing = median(spacing);
     const std::vector<StemAxis> stems =
-        find_stem_axes(cloud.points, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
+        find_stems_of_cloud(cloud, clean.terrain, {cleaning.spacing, root, options.max_trees}, ctx);
     cleaning.understorey = mark_understorey(cloud, clean.terrain, stems, cleaning.spacing,
                                             compute_gap(cloud.points, cleaning.spacing, options).widest, ctx);
     // Paths use mostly one thread, so that leaves are found in parallel.

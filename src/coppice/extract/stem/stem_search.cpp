@@ -17,7 +17,8 @@ namespace {
 constexpr double kLow = 0.3;
 constexpr double kSlice = 0.2;  // [m] height of the lowest slice above the ground; thickness of a slice
 constexpr std::size_t kSlices = 18;
-constexpr double kThickSlice = 3;
+// [slice] thickness for clusters of few points; the second one is for clouds in which no stem was found
+constexpr double kThickSlice = 3, kThickestSlice = 5;
 // maximum number of points of a cluster for which a thick slice is used
 constexpr std::size_t kFewPoints = 80;
 constexpr double kThinSlice = 0.25;    // [slice] thickness for leaning stems
@@ -103,8 +104,10 @@ std::vector<FoundCircle> find_circles(std::vector<std::vector<PlanePoint>> clust
     return circles;
 }
 
+/// Returns the sections in slices with the specified thicknesses.
 std::vector<Section> compute_sections(std::span<const Vec3> points, std::span<const float> height,
-                                      const StemSearch& search, const Context& ctx) {
+                                      std::span<const double> thicknesses, const StemSearch& search,
+                                      const Context& ctx) {
     std::vector<std::vector<std::uint32_t>> members(kSlices);
     for (std::uint32_t i = 0; i < points.size(); ++i) {
         const double slice = (double{height[i]} / search.scale - kLow) / kSlice;
@@ -114,11 +117,10 @@ std::vector<Section> compute_sections(std::span<const Vec3> points, std::span<co
     std::vector<std::vector<Section>> found(kSlices);
     parallel_for(ctx, kSlices, 1, [&](std::size_t s) {
         const double middle = (kLow + (static_cast<double>(s) + 0.5) * kSlice) * search.scale;
-        // Uses the whole slice, a thin one for leaning stems, and a thick one if there are few points.
-        for (const double share : {1.0, kThinSlice, kThickSlice}) {
+        for (const double share : thicknesses) {
             const double reach = 0.5 * share * kSlice * search.scale;
             std::vector<PlanePoint> plane;
-            const std::size_t adjacent = share > 1 ? 1 : 0;
+            const auto adjacent = static_cast<std::size_t>(0.5 * std::max(share - 1, 0.0));
             for (std::size_t k = s - std::min(s, adjacent); k <= std::min(s + adjacent, kSlices - 1); ++k) {
                 for (const std::uint32_t i : members[k]) {
                     if (std::abs(double{height[i]} - middle) <= reach)
@@ -218,6 +220,38 @@ Vec3d compute_slope(std::span<const StemSection> sections) {
     return slope;
 }
 
+/// Returns the stems among the sections, those with the largest evidence first.
+std::vector<StemTrack> select_stems(const std::vector<Section>& sections, const StemSearch& search) {
+    std::vector<StemTrack> stems;
+    for (const auto& of : stack(sections, search.scale)) {
+        StemTrack track;
+        std::vector<double> radii;
+        for (const std::size_t k : of) {
+            const Section& s = sections[k];
+            track.sections.push_back({{s.x, s.y, s.z}, s.z, s.circle});
+            radii.push_back(s.circle.radius);
+        }
+        if (of.size() < 2) continue;
+        track.radius = median_in_place(radii);
+        if (is_stem(track, search.scale)) stems.push_back(std::move(track));
+    }
+    std::ranges::stable_sort(stems, std::ranges::greater{}, [](const StemTrack& t) {
+        double evidence = 0;
+        for (const StemSection& s : t.sections) evidence += s.circle.coverage;
+        return evidence;
+    });
+    // A stem may be found twice, in thick slices and in thin ones.
+    std::vector<StemTrack> apart;
+    for (StemTrack& stem : stems) {
+        const auto is_same = [&](const StemTrack& other) {
+            const Vec3d at = other.at(stem.middle().z), here = stem.middle();
+            return std::hypot(at.x - here.x, at.y - here.y) < kSame * (other.radius + stem.radius);
+        };
+        if (std::ranges::none_of(apart, is_same)) apart.push_back(std::move(stem));
+    }
+    return apart;
+}
+
 constexpr std::size_t kAbout = 5;  // number of sections that determine the direction of the axis
 
 }  // namespace
@@ -249,35 +283,13 @@ void StemTrack::raise(double by) {
 
 std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const float> height,
                                   const StemSearch& search, const Context& ctx) {
-    const std::vector<Section> sections = compute_sections(points, height, search, ctx);
-    std::vector<StemTrack> stems;
-    for (const auto& of : stack(sections, search.scale)) {
-        StemTrack track;
-        std::vector<double> radii;
-        for (const std::size_t k : of) {
-            const Section& s = sections[k];
-            track.sections.push_back({{s.x, s.y, s.z}, s.z, s.circle});
-            radii.push_back(s.circle.radius);
-        }
-        if (of.size() < 2) continue;
-        track.radius = median_in_place(radii);
-        if (is_stem(track, search.scale)) stems.push_back(std::move(track));
-    }
-    std::ranges::stable_sort(stems, std::ranges::greater{}, [](const StemTrack& t) {
-        double evidence = 0;
-        for (const StemSection& s : t.sections) evidence += s.circle.coverage;
-        return evidence;
-    });
-    // A stem may be found twice, in thick slices and in thin ones.
-    std::vector<StemTrack> apart;
-    for (StemTrack& stem : stems) {
-        const auto is_same = [&](const StemTrack& other) {
-            const Vec3d at = other.at(stem.middle().z), here = stem.middle();
-            return std::hypot(at.x - here.x, at.y - here.y) < kSame * (other.radius + stem.radius);
-        };
-        if (std::ranges::none_of(apart, is_same)) apart.push_back(std::move(stem));
-    }
-    return apart;
+    // Whole slices, thin ones for leaning stems, and thick ones where there are few points.
+    std::vector<double> thicknesses{1, kThinSlice, kThickSlice};
+    std::vector<StemTrack> stems =
+        select_stems(compute_sections(points, height, thicknesses, search, ctx), search);
+    if (!stems.empty()) return stems;
+    thicknesses.push_back(kThickestSlice);
+    return select_stems(compute_sections(points, height, thicknesses, search, ctx), search);
 }
 
 std::vector<FoundCircle> circles_in_slice(std::span<const Vec3> points, const StemSearch& search,

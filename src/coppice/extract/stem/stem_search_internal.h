@@ -40,7 +40,8 @@ struct StemSearch {
 };
 
 /// Finds stems at breast height: circles in slices of 20 cm from 0.3 to 3.9 m above the ground that are above
-/// each other and of similar thickness. `height` is the height [m] of each point above the ground. The result
+/// each other and of similar thickness. Where a slice has few points, it includes those within 30 cm; if no
+/// stem is found, those within 50 cm. `height` is the height [m] of each point above the ground. The result
 /// is sorted by decreasing evidence, the total coverage of the sections. O(n) and some milliseconds for each
 /// cluster of points in a slice. Throws Cancelled.
 std::vector<StemTrack> find_stems(std::span<const Vec3> points, std::span<const float> height,
