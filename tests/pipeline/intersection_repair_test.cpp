@@ -293,12 +293,17 @@ TEST(RemovedRows, IntersectingTreesAreGraftedBentApartOrMerged) {
 }
 
 TEST(RemovedRows, TipsOfRemeshedBranchesEndOneRadiusBeyondTheirNodes) {
-    const Skeleton hard = random_tree(300, 5, true);
-    const QuadSurface made = mesh_skeleton(hard).quads();
-    EXPECT_GT(made.repair.tube_rows, 400u);
-    const SurfaceReport report = check_surface(to_polygons(made.mesh), &hard);
-    EXPECT_NEAR(report.axes->tip_reach.p50, 1, 0.002);
-    EXPECT_LT(20 * report.axes->short_tips, report.axes->tips);
+    std::uint64_t tips = 0, short_tips = 0;
+    for (const std::uint64_t seed : {5, 6, 7}) {
+        const Skeleton hard = random_tree(300, seed, true);
+        const QuadSurface made = mesh_skeleton(hard).quads();
+        EXPECT_GT(made.repair.tube_rows, 300u);
+        const SurfaceReport report = check_surface(to_polygons(made.mesh), &hard);
+        EXPECT_NEAR(report.axes->tip_reach.p50, 1, 0.002);
+        tips += report.axes->tips;
+        short_tips += report.axes->short_tips;
+    }
+    EXPECT_LT(20 * short_tips, tips);
 }
 
 TEST(RemovedRows, AreBitIdenticalForAnyNumberOfThreads) {

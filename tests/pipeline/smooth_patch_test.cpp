@@ -62,6 +62,26 @@ TEST(SmoothPatch, MovesVerticesToTheSurfaceAndPreservesTheRim) {
     }
 }
 
+// Six patches of the same number of quads as this one enclose the ball.
+TEST(SmoothPatch, QuadsEncloseTheVolumeOfTheSurface) {
+    const auto volume_below = [](const Patch& patch) {
+        double sum = 0;
+        for (const Quad& q : patch.quads) {
+            const Vec3d a(patch.x[q[0]]), b(patch.x[q[1]]), c(patch.x[q[2]]), d(patch.x[q[3]]);
+            sum += dot(a, cross(b, c)) + dot(a, cross(c, d));
+        }
+        return sum / 6;
+    };
+    Patch patch = shaken_patch(8);
+    for (Vec3& p : patch.x) p = normalized(p);
+    Patch fine = shaken_patch(64);
+    for (Vec3& p : fine.x) p = normalized(p);
+    const double before = volume_below(patch), exact = volume_below(fine);
+    enclose_volume(patch.x, patch.quads, patch.moving);
+    EXPECT_LT(before, 0.995 * exact);
+    EXPECT_NEAR(volume_below(patch), exact, 0.25 * (exact - before));
+}
+
 TEST(SmoothPatch, IsBitIdenticalForAnyNumberOfThreads) {
     const Ball ball;
     Patch one = shaken_patch(40), many = one;

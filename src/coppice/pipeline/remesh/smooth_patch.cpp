@@ -80,4 +80,26 @@ void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::s
     }
 }
 
+void enclose_volume(std::span<Vec3> positions, std::span<const Quad> quads,
+                    std::span<const PatchVertex> moving) {
+    const CompressedRows<std::uint32_t> ring = neighbours(quads, moving);
+    std::vector<Vec3> normals(positions.size());
+    for (const Quad& q : quads) {
+        const Vec3 normal = cross(positions[q[2]] - positions[q[0]], positions[q[3]] - positions[q[1]]);
+        for (const std::uint32_t v : q) normals[v] += normal;
+    }
+    std::vector<float> distances(moving.size());
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        Vec3 sum;
+        for (const std::uint32_t v : ring[i]) sum += positions[moving[i].vertex] - positions[v];
+        Vec3& normal = normals[moving[i].vertex];
+        normal = normalized(normal);
+        distances[i] = ring[i].empty() ? 0 : dot(sum, normal) / (3 * static_cast<float>(ring[i].size()));
+    }
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        const std::uint32_t v = moving[i].vertex;
+        if (is_finite(normals[v])) positions[v] += normals[v] * distances[i];
+    }
+}
+
 }  // namespace coppice

@@ -28,4 +28,10 @@ void move_to_level(std::span<Vec3> points, std::span<const PatchVertex> vertices
 void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::span<const PatchVertex> moving,
                   FieldRef field, int passes, const Context& ctx = {});
 
+/// Moves vertices of a curved surface outward, so that quads with these corners enclose its volume: by a
+/// third of the distance from the mean of the neighbours, along the normal, which is exact for quadrics and
+/// squares. O(n).
+void enclose_volume(std::span<Vec3> positions, std::span<const Quad> quads,
+                    std::span<const PatchVertex> moving);
+
 }  // namespace coppice

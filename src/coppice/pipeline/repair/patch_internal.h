@@ -23,8 +23,9 @@ enum class RepairLevel : std::uint8_t {
 
 /// A position on the axis of a segment.
 struct AxisPoint {
-    NodeId segment;  ///< segment, or none
-    float t = 0;     ///< parameter
+    NodeId segment;    ///< segment, or none
+    float t = 0;       ///< parameter
+    float radius = 0;  ///< [m] radius there
 };
 
 /// The level set around some segments of the field's skeleton.

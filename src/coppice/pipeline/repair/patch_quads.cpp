@@ -112,6 +112,7 @@ void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& op
     if (options.control.tips == TipShape::round)
         pin_tips(moving, surface.patch_skeleton.skeleton, made.positions, FieldRef(field));
     smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
+    enclose_volume(made.positions, made.patch.quads, moving);
 }
 
 bool put_back(PatchQuads& made, const Quad& quad) {

@@ -9,6 +9,8 @@
 #include "coppice/base/id.h"
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/measure/intersections.h"
+#include "coppice/pipeline/remesh/collapse_short_edges_internal.h"
 #include "coppice/pipeline/remesh/zip_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
@@ -19,16 +21,21 @@ namespace {
 
 constexpr double kMaxTriangles = 1e6;  // in addition to as many as the mesh has quads
 constexpr std::size_t kVertexGrain = 1024;
-constexpr float kGap = 0.35f;  // [radii] gap between kept quads and new triangles
+constexpr float kLongestEdge = 1.0f;  // [radii] chords of longer edges are too far from the surface
+constexpr float kGap = 0.35f;         // [radii] gap between kept quads and new triangles
 constexpr float kDeepest = 2.5f, kHighest = 0.3f, kWidest = 2.5f;  // [radii] range of valid loops
 constexpr float kSeamReach = 2.2f;  // [radii] maximum distance of loops from the centre of a cut ring
 
-// Triangles as large as two quads, within the resolution of tetrahedra.
+// [radii] Returns the length of edges of triangles that become as large as two quads.
+float triangle_edge(const MeshOptions& options) {
+    return 4 * std::numbers::pi_v<float> / static_cast<float>(options.control.sides << options.levels);
+}
+
+// The same, within the resolution of tetrahedra.
 MeshOptions patch_options(const MeshOptions& options) {
     constexpr float kFinest = 0.05f, kCoarsest = 1.0f;
     MeshOptions out = options;
-    const auto around = static_cast<float>(options.control.sides << options.levels);
-    out.tetra = {.edge = std::clamp(4 * std::numbers::pi_v<float> / around, kFinest, kCoarsest)};
+    out.tetra = {.edge = std::clamp(triangle_edge(options), kFinest, kCoarsest)};
     return out;
 }
 
@@ -264,8 +271,10 @@ std::vector<AxisPoint> find_closest_axis_points(const PatchSkeleton& patch_skele
         // A section begins where the previous one ends.
         const bool is_first = n == 0 || segment[n - 1] != segment[n];
         const float begin = is_first ? 0 : patch_skeleton.until[n - 1];
-        const auto t = static_cast<float>(capsules.cone(near.capsule).closest_point(point(v)).t);
-        out[v] = {segment[n], begin + t * (patch_skeleton.until[n] - begin)};
+        const auto closest = capsules.cone(near.capsule).closest_point(point(v));
+        const auto t = static_cast<float>(closest.t);
+        out[v] = {segment[n], begin + t * (patch_skeleton.until[n] - begin),
+                  static_cast<float>(closest.radius)};
     });
     return out;
 }
@@ -276,6 +285,25 @@ std::vector<Segment> collect_segments(const Skeleton& s) {
         if (!s.is_root(n)) out.push_back(s.segment(n));
     }
     return out;
+}
+
+// Makes triangles about as large as required: those of tetrahedra are smaller. The surface stays as it is if
+// it would intersect itself, so that planar quads of its triangles never do.
+void coarsen(Marched& marched, float edge, const Context& ctx) {
+    std::vector<float> edges;
+    for (const AxisPoint& p : marched.closest_axis_point) {
+        const bool is_ball =
+            p.t <= 0 || p.t >= 1;  // curved in both directions, with twice the error of chords
+        edges.push_back(edge * p.radius * (is_ball ? 1 / std::numbers::sqrt2_v<float> : 1));
+    }
+    TriMesh coarse = marched.mesh;
+    const std::vector<std::uint32_t> kept = collapse_short_edges(coarse, edges);
+    const PolygonMesh faces = to_polygons(coarse);
+    if (!crossing_faces(SurfaceTree(faces, ctx), 1, ctx).pairs.empty()) return;
+    marched.mesh = std::move(coarse);
+    for (std::size_t v = 0; v < kept.size(); ++v)
+        marched.closest_axis_point[v] = marched.closest_axis_point[kept[v]];
+    marched.closest_axis_point.resize(kept.size());
 }
 
 std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const QuadMesh& mesh,
@@ -293,6 +321,7 @@ std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const 
                 mesh_by_tetrahedra(patch_skeleton.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages)
                     .mesh;
             out.closest_axis_point = find_closest_axis_points(patch_skeleton, out.mesh.positions, ctx);
+            coarsen(out, std::min(triangle_edge(options), kLongestEdge), ctx);
         } catch (const Cancelled&) {
             throw;
         } catch (const Error&) {
