@@ -41,7 +41,7 @@ class InstancedPartsFile : public test::FolderTest {
         prototypes_[2].mesh.positions = {{-1, 0, 0}, {1, 0, 0}, {0, 2, 0}};
         prototypes_[2].mesh.triangles = {{0, 1, 2}};
         const auto image = folder_ / "leaf.png";
-        write_file(image, std::string("\x89PNG\r\n\x1a\n"));
+        write_file(image, std::string("\x89PNG\r\n\x1a\nIEND"));
         materials_.push_back({.name = "leaf", .color = image, .cut_out = true, .double_sided = true});
         materials_.push_back({.name = "bud", .base_color = {0.25f, 0.5f, 0.125f}});
         copies_.prototypes = {2, 0, 0};

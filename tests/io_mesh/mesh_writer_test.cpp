@@ -127,7 +127,7 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
     for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
     mesh.texture = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {1, 0}, {0, 0}, {0, 1}, {1, 1}};
     const fs::path image = folder_ / "image.png";
-    write_file(image, "\x89PNG");
+    write_file(image, "\x89PNG IEND");
     const auto with = [&](const MaterialFiles& material) {
         return written("a.glb", mesh, {.texture = mesh.texture, .materials = {material}});
     };
@@ -158,7 +158,7 @@ class MaterialWriter : public MeshWriter {
         for (std::uint32_t i = 0; i < 6; i += 2) mesh_.add_face(Quad{i, i + 2, i + 3, i + 1});
         for (int face = 0; face < 3; ++face)
             mesh_.texture.insert(mesh_.texture.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
-        write_file(folder_ / "image.png", "\x89PNG");
+        write_file(folder_ / "image.png", "\x89PNG IEND");
         for (const char* name : {"bark", "unused", "twig"})
             materials_.push_back({.name = name, .color = folder_ / "image.png"});
     }
@@ -177,6 +177,14 @@ class MaterialWriter : public MeshWriter {
     std::vector<MaterialFiles> materials_;
     std::vector<std::uint32_t> of_faces_{0, 2, 0};
 };
+
+TEST_F(MaterialWriter, GlbRefusesImagesThatEndEarly) {
+    for (const char* bytes : {"\x89PNG half", "\xff\xd8 half"}) {
+        write_file(folder_ / "image.png", bytes);
+        EXPECT_THROW(write_mesh(folder_ / "a.glb", mesh_, options()), InvalidInput);
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "a.glb"));
+    }
+}
 
 TEST_F(MaterialWriter, GlbHasAPrimitiveForEachMaterialWithFaces) {
     for (const bool has_normals : {false, true}) {
@@ -539,7 +547,7 @@ TEST_F(MeshWriter, TangentsDoNotDependOnThreads) {
         for (const std::uint32_t v : q) texture.push_back({sign * mesh.positions[v].x, mesh.positions[v].y});
     }
     const fs::path image = folder_ / "image.png";
-    write_file(image, "\x89PNG");
+    write_file(image, "\x89PNG IEND");
     const auto with = [&](unsigned threads) {
         write_mesh(folder_ / "a.glb", mesh,
                    {.texture = texture, .materials = {{.color = image, .normal = image}}},

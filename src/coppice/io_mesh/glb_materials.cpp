@@ -82,6 +82,8 @@ void GlbMaterials::add_image(const MaterialFiles& files, const std::filesystem::
     if (is_jpeg) image.type = "image/jpeg";
     if (!is_jpeg && !image.bytes.starts_with("\x89PNG"))
         throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
+    if (image.bytes.rfind(is_jpeg ? "\xff\xd9" : "IEND") == std::string::npos)
+        throw InvalidInput(path.string() + " ends before its image does; save the image again");
     image.view = layout.add_bytes(image.bytes.size());
     images_.push_back(std::move(image));
 }
