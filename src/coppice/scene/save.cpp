@@ -123,9 +123,9 @@ void save_object(const SceneObject& object, const std::filesystem::path& path, I
     } else {
         const auto& surface = std::get<Surface>(object.value);
         MeshWriteOptions options{.texture = surface.texture,
-                                       .texture_blends = surface.texture_blends,
-                                       .materials = write_images(surface.materials, path, ctx),
-                                       .face_materials = surface.slots};
+                                 .texture_blends = surface.texture_blends,
+                                 .materials = write_images(surface.materials, path, ctx),
+                                 .face_materials = surface.slots};
         if (surface.leaves) options.parts = surface.leaves->parts(storage);
         std::visit([&](const auto& mesh) { write_mesh(path, mesh, options, ctx); }, surface.mesh);
     }
