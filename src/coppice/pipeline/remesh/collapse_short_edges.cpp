@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include "coppice/base/id.h"
@@ -12,18 +12,18 @@ namespace coppice {
 namespace {
 
 constexpr float kShort = 4.0f / 5, kLong = 4.0f / 3;  // of the requested length
-constexpr float kMinCosine = 0.7071f;                 // between the normals of a triangle before and after
-constexpr float kMinQuality = 0.3f;
+constexpr double kMinCosine = 0.7071;                 // between the normals of a triangle before and after
+constexpr double kMinQuality = 0.3;
 constexpr std::size_t kMinValence = 4, kMaxValence = 9;
 
 // Returns the normal of a triangle, its length twice the area.
-Vec3 area_normal(const std::array<Vec3, 3>& p) { return cross(p[1] - p[0], p[2] - p[0]); }
+Vec3d area_normal(const std::array<Vec3, 3>& p) { return cross(Vec3d(p[1] - p[0]), Vec3d(p[2] - p[0])); }
 
 // Returns 1 for an equilateral triangle, 0 for one without area.
-float quality(const std::array<Vec3, 3>& p) {
-    const auto squared = [](Vec3 v) { return dot(v, v); };
-    const float squares = squared(p[1] - p[0]) + squared(p[2] - p[1]) + squared(p[0] - p[2]);
-    constexpr float kEquilateral = 3.4641016f;  // sum of squared edges over twice the area
+double quality(const std::array<Vec3, 3>& p) {
+    const auto squared = [](Vec3 v) { return dot(Vec3d(v), Vec3d(v)); };
+    const double squares = squared(p[1] - p[0]) + squared(p[2] - p[1]) + squared(p[0] - p[2]);
+    constexpr double kEquilateral = 2 * std::numbers::sqrt3;  // sum of squared edges over twice the area
     return squares > 0 ? kEquilateral * length(area_normal(p)) / squares : 0;
 }
 
@@ -46,7 +46,7 @@ class Collapse {
             const Edge e = queue_.top();
             queue_.pop();
             if (at_[e.a].empty() || at_[e.b].empty() || !are_joined(e.a, e.b)) continue;
-            const float onto_b = rate(e.a, e.b), onto_a = rate(e.b, e.a);
+            const double onto_b = rate(e.a, e.b), onto_a = rate(e.b, e.a);
             if (std::max(onto_a, onto_b) <= 0) continue;
             if (onto_b >= onto_a) {
                 move(e.a, e.b);
@@ -94,7 +94,7 @@ class Collapse {
     }
 
     // Returns the minimum quality of triangles after v is moved onto w; 0 if it must not be moved.
-    float rate(std::uint32_t v, std::uint32_t w) const {
+    double rate(std::uint32_t v, std::uint32_t w) const {
         if (at_[v].size() + at_[w].size() - 4 > kMaxValence) return 0;
         std::size_t common = 0;
         bool is_valid = true;
@@ -108,7 +108,7 @@ class Collapse {
             }
         });
         if (!is_valid || common != 2) return 0;
-        float worst = std::numeric_limits<float>::infinity();
+        double worst = std::numeric_limits<double>::infinity();
         for (const std::uint32_t t : at_[v]) {
             if (has(t, w)) continue;
             std::array<Vec3, 3> before, after;
@@ -116,7 +116,7 @@ class Collapse {
                 before[k] = x_[triangles_[t][k]];
                 after[k] = triangles_[t][k] == v ? x_[w] : before[k];
             }
-            const Vec3 n = area_normal(before), m = area_normal(after);
+            const Vec3d n = area_normal(before), m = area_normal(after);
             if (dot(n, m) < kMinCosine * length(n) * length(m)) return 0;
             worst = std::min(worst, quality(after));
         }

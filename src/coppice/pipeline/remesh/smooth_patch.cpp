@@ -83,22 +83,24 @@ void smooth_patch(std::span<Vec3> positions, std::span<const Quad> quads, std::s
 void enclose_volume(std::span<Vec3> positions, std::span<const Quad> quads,
                     std::span<const PatchVertex> moving) {
     const CompressedRows<std::uint32_t> ring = neighbours(quads, moving);
-    std::vector<Vec3> normals(positions.size());
+    std::vector<Vec3d> normals(positions.size());
     for (const Quad& q : quads) {
-        const Vec3 normal = cross(positions[q[2]] - positions[q[0]], positions[q[3]] - positions[q[1]]);
+        const Vec3d normal =
+            cross(Vec3d(positions[q[2]] - positions[q[0]]), Vec3d(positions[q[3]] - positions[q[1]]));
         for (const std::uint32_t v : q) normals[v] += normal;
     }
-    std::vector<float> distances(moving.size());
+    std::vector<Vec3> moved(moving.size());
     for (std::size_t i = 0; i < moving.size(); ++i) {
+        const std::uint32_t vertex = moving[i].vertex;
         Vec3 sum;
-        for (const std::uint32_t v : ring[i]) sum += positions[moving[i].vertex] - positions[v];
-        Vec3& normal = normals[moving[i].vertex];
-        normal = normalized(normal);
-        distances[i] = ring[i].empty() ? 0 : dot(sum, normal) / (3 * static_cast<float>(ring[i].size()));
+        for (const std::uint32_t v : ring[i]) sum += positions[vertex] - positions[v];
+        const Vec3d normal = normalized(normals[vertex]);
+        const double distance =
+            ring[i].empty() ? 0 : dot(Vec3d(sum), normal) / (3.0 * static_cast<double>(ring[i].size()));
+        moved[i] = positions[vertex] + Vec3(normal * distance);
     }
     for (std::size_t i = 0; i < moving.size(); ++i) {
-        const std::uint32_t v = moving[i].vertex;
-        if (is_finite(normals[v])) positions[v] += normals[v] * distances[i];
+        if (is_finite(moved[i])) positions[moving[i].vertex] = moved[i];
     }
 }
 
