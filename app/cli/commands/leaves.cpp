@@ -150,13 +150,12 @@ Command leaves_command() {
     options.value(
         {{"models", "Number of different leaves, or branchlets.", Unit::none, 1, 1000}, &flags->models});
     options.value({{"instances", kInstancesHelp}, choice_of(flags->storage)});
-    options.fields(
-        flags->rules, "Places; the defaults are replaced by those of the species",
-        {.names = {{"internode", "--leaf-internode"},
-                   {"angle", "--petiole-angle"},
-                   {"size", "--leaf-size"},
-                   {"density", "--leaf-density"}},
-         .common = MemberNames{"season", "max_radius", "shoot_length", "density", "size", "seed"}});
+    options.fields(flags->rules, "Places; the defaults are replaced by those of the species",
+                   {.names = {{"internode", "--leaf-internode"},
+                              {"angle", "--petiole-angle"},
+                              {"size", "--leaf-size"},
+                              {"density", "--leaf-density"}},
+                    .common = MemberNames{"season", "max_radius", "shoot_length", "size", "seed"}});
     options.fields(flags->shape, "Shape of a leaf; the defaults are replaced by those of the species",
                    {.prefix = "leaf", .common = MemberNames{}});
     options.fields(flags->branchlets, "Branchlets: twigs with leaves that continue the branches",
