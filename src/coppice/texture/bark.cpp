@@ -10,6 +10,35 @@
 #include "coppice/texture/bark_internal.h"
 
 namespace coppice {
+namespace texture_internal {
+
+BarkCanvas::BarkCanvas(int width, int height, float tile_width, float tile_height) {
+    const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    maps.width = width;
+    maps.height = height;
+    maps.tile_width = tile_width;
+    maps.tile_height = tile_height;
+    heights.resize(size);
+    maps.color.resize(size);
+    maps.normal.resize(size);
+    maps.roughness.resize(size);
+    maps.occlusion.resize(size);
+    maps.heights.resize(size);
+}
+
+Vec3 choose_color(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view owner,
+                  std::string_view name) {
+    if (!given) return rgb(otherwise);
+    for (int k = 0; k < 3; ++k) {
+        if (!((*given)[k] >= 0 && (*given)[k] <= 1))
+            throw InvalidInput(fmt::format("{}: {} must have three values from 0 to 1, but has {}", owner,
+                                           name, (*given)[k]));
+    }
+    return Vec3(*given);
+}
+
+}  // namespace texture_internal
+
 namespace {
 
 using namespace texture_internal;
@@ -34,16 +63,6 @@ KindColors default_colors(BarkKind kind) {
         {0x7f9a45, 0x6a4a2c, 0xcfc79a},  // shoot
     }};
     return kColors[static_cast<std::size_t>(kind)];
-}
-
-Vec3 choose_color(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view name) {
-    if (!given) return rgb(otherwise);
-    for (int k = 0; k < 3; ++k) {
-        if (!((*given)[k] >= 0 && (*given)[k] <= 1))
-            throw InvalidInput(
-                fmt::format("bark: {} must have three values from 0 to 1, but has {}", name, (*given)[k]));
-    }
-    return Vec3(*given);
 }
 
 void check_cells(float extent, float cell, std::string_view name) {
@@ -72,9 +91,9 @@ BarkPlan make_plan(const BarkOptions& o) {
                      .texel_height = o.tile_height / static_cast<float>(o.height),
                      .seed = static_cast<std::uint64_t>(o.seed) * 16 + static_cast<std::uint64_t>(o.kind)},
             .age = compute_age(o),
-            .color = choose_color(o.color, colors.color, "color"),
-            .deep_color = choose_color(o.deep_color, colors.deep_color, "deep_color"),
-            .patch_color = choose_color(o.patch_color, colors.patch_color, "patch_color")};
+            .color = choose_color(o.color, colors.color, "bark", "color"),
+            .deep_color = choose_color(o.deep_color, colors.deep_color, "bark", "deep_color"),
+            .patch_color = choose_color(o.patch_color, colors.patch_color, "bark", "patch_color")};
 }
 
 void fill_kind(const BarkPlan& plan, BarkCanvas& out, const Context& ctx) {
@@ -142,22 +161,9 @@ std::vector<BarkMaps::Texel> BarkMaps::packed() const {
 
 BarkMaps make_bark(const BarkOptions& options, const Context& ctx) {
     const BarkPlan plan = make_plan(options);
-    const std::size_t size =
-        static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-    BarkCanvas canvas;
-    BarkMaps& maps = canvas.maps;
-    maps.width = options.width;
-    maps.height = options.height;
-    maps.tile_width = options.tile_width;
-    maps.tile_height = options.tile_height;
-    canvas.heights.resize(size);
-    maps.color.resize(size);
-    maps.normal.resize(size);
-    maps.roughness.resize(size);
-    maps.occlusion.resize(size);
-    maps.heights.resize(size);
+    BarkCanvas canvas(options.width, options.height, options.tile_width, options.tile_height);
     fill_kind(plan, canvas, ctx);
-    even_colors(maps, ctx);
+    even_colors(canvas.maps, ctx);
     ctx.report(0.7f);
     derive_maps(canvas, options.occlusion_radius, ctx);
     ctx.report(1);

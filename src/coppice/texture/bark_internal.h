@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "coppice/base/parallel.h"
@@ -31,6 +33,9 @@ struct BarkPlan {
 
 /// The heights [m] of a tile, and the maps that the kinds fill.
 struct BarkCanvas {
+    /// The maps have values for all texels of a tile [m].
+    BarkCanvas(int width, int height, float tile_width, float tile_height);
+
     BarkMaps maps;
     std::vector<float> heights;
 };
@@ -41,6 +46,14 @@ constexpr Vec3 rgb(unsigned hex) {
     return {static_cast<float>(hex >> 16 & 255u) * kUnit, static_cast<float>(hex >> 8 & 255u) * kUnit,
             static_cast<float>(hex & 255u) * kUnit};
 }
+
+/// The same as the value of an option.
+inline std::optional<Vec3d> srgb(unsigned hex) { return Vec3d(rgb(hex)); }
+
+/// Returns a colour that is given by the option `name` of `owner`, "bark" or "cut", or else 0xrrggbb. Throws
+/// InvalidInput for values outside of [0, 1].
+Vec3 choose_color(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view owner,
+                  std::string_view name);
 
 inline std::uint8_t to_byte(float x) {
     const float rounded = saturate(x) * 255 + 0.5f;

@@ -1,13 +1,10 @@
 #include "coppice/texture/cut.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "coppice/base/check_fields.h"
-#include "coppice/base/error.h"
 #include "coppice/texture/bark_internal.h"
 #include "coppice/texture/cut_internal.h"
 
@@ -15,16 +12,6 @@ namespace coppice {
 namespace {
 
 using namespace texture_internal;
-
-Vec3 choose_color(const std::optional<Vec3d>& given, unsigned otherwise, std::string_view name) {
-    if (!given) return rgb(otherwise);
-    for (int k = 0; k < 3; ++k) {
-        if (!((*given)[k] >= 0 && (*given)[k] <= 1))
-            throw InvalidInput(
-                fmt::format("cut: {} must have three values from 0 to 1, but has {}", name, (*given)[k]));
-    }
-    return Vec3(*given);
-}
 
 /// A picture of cut wood, evaluated texel by texel.
 class Cut {
@@ -34,9 +21,9 @@ class Cut {
           radius_(0.5f * o.diameter),
           wood_(radius_ * (1 - o.bark_share)),
           texel_(tile.texel()),
-          color_(choose_color(o.color, 0xc9a878, "color")),
-          heart_color_(choose_color(o.heart_color, 0xa47a4c, "heart_color")),
-          bark_color_(choose_color(o.bark_color, 0x54453a, "bark_color")),
+          color_(choose_color(o.color, 0xc9a878, "cut", "color")),
+          heart_color_(choose_color(o.heart_color, 0xa47a4c, "cut", "heart_color")),
+          bark_color_(choose_color(o.bark_color, 0x54453a, "cut", "bark_color")),
           shape_(tile.seed, 1, 5, 0.35f),
           edge_(tile.seed, 2, 40, 0.15f),
           rings_(wood_, o.ring_width, tile.seed),
@@ -152,18 +139,7 @@ BarkMaps make_cut(const CutOptions& options, const Context& ctx) {
     constexpr float kOcclusionRadius = 0.004f;         // [m]
     constexpr std::uint64_t kSeeds = 16, kStage = 15;  // barks have the stages below
     check_fields(options, "cut");
-    BarkCanvas canvas;
-    BarkMaps& maps = canvas.maps;
-    maps.width = maps.height = options.size;
-    maps.tile_width = maps.tile_height = options.diameter;
-    const std::size_t texels =
-        static_cast<std::size_t>(options.size) * static_cast<std::size_t>(options.size);
-    canvas.heights.resize(texels);
-    maps.color.resize(texels);
-    maps.normal.resize(texels);
-    maps.roughness.resize(texels);
-    maps.occlusion.resize(texels);
-    maps.heights.resize(texels);
+    BarkCanvas canvas(options.size, options.size, options.diameter, options.diameter);
     const float texel = options.diameter / static_cast<float>(options.size);
     const Tile tile{options.diameter, options.diameter, texel, texel,
                     static_cast<std::uint64_t>(options.seed) * kSeeds + kStage};

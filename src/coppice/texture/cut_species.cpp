@@ -6,11 +6,19 @@
 namespace coppice {
 namespace {
 
-std::optional<Vec3d> srgb(unsigned hex) { return Vec3d(texture_internal::rgb(hex)); }
+using texture_internal::srgb;
+
+CutOptions with_colors(unsigned color, unsigned heart_color, unsigned bark_color) {
+    CutOptions out;
+    out.color = srgb(color);
+    out.heart_color = srgb(heart_color);
+    out.bark_color = srgb(bark_color);
+    return out;
+}
 
 /// Returns the wood of a conifer: dense late wood, no pores, no visible rays.
 CutOptions conifer(unsigned color, unsigned heart_color, unsigned bark_color) {
-    CutOptions out;
+    CutOptions out = with_colors(color, heart_color, bark_color);
     out.ring_width = 0.0028f;
     out.ring_contrast = 0.85f;
     out.late_wood = 0.3f;
@@ -18,33 +26,24 @@ CutOptions conifer(unsigned color, unsigned heart_color, unsigned bark_color) {
     out.rays = 0.1f;
     out.ray_spacing = 0.003f;
     out.heartwood = 0.6f;
-    out.color = srgb(color);
-    out.heart_color = srgb(heart_color);
-    out.bark_color = srgb(bark_color);
     return out;
 }
 
 /// Returns even wood, with fine pores in the whole ring.
 CutOptions diffuse(unsigned color, unsigned heart_color, unsigned bark_color) {
-    CutOptions out;
+    CutOptions out = with_colors(color, heart_color, bark_color);
     out.ring_contrast = 0.35f;
     out.late_wood = 0.15f;
     out.pores = 0.15f;
     out.rays = 0.3f;
     out.ray_spacing = 0.004f;
-    out.color = srgb(color);
-    out.heart_color = srgb(heart_color);
-    out.bark_color = srgb(bark_color);
     return out;
 }
 
 std::vector<CutSpecies> make_species() {
-    CutOptions ash;
+    CutOptions ash = with_colors(0xdcc7a2, 0xb99b74, 0x6f6759);
     ash.rays = 0.15f;
     ash.heartwood = 0.35f;
-    ash.color = srgb(0xdcc7a2);
-    ash.heart_color = srgb(0xb99b74);
-    ash.bark_color = srgb(0x6f6759);
     CutOptions beech = diffuse(0xd9b995, 0xcaa27c, 0x7d776d);
     beech.rays = 0.7f;
     beech.bark_share = 0.03f;

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-std::optional<Vec3d> srgb(unsigned hex) { return Vec3d(texture_internal::rgb(hex)); }
+using texture_internal::srgb;
 
 std::vector<BarkSpecies> furrowed_species() {
     const BarkOptions oak;
