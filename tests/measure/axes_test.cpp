@@ -149,16 +149,17 @@ TEST(Axes, SeveredPartsAreLimitedToTheGivenSegments) {
     const Skeleton s = dense_pole();
     const CapsuleTree segments(s, broken.origin);
     std::vector<std::uint8_t> wanted(s.size(), 0);
-    EXPECT_TRUE(find_severed_ranges(broken, s, segments, wanted).empty());
+    EXPECT_TRUE(find_severed_ranges(broken, s, segments, EndShape::round, wanted).empty());
     for (std::size_t n = 50; n < 55; ++n) wanted[n] = 1;  // from 4.9 to 5.4 m
-    const auto parts = find_severed_ranges(broken, s, segments, wanted);
+    const auto parts = find_severed_ranges(broken, s, segments, EndShape::round, wanted);
     ASSERT_EQ(parts.size(), 5u);
     for (std::uint32_t k = 0; k < parts.size(); ++k) {
         EXPECT_EQ(parts[k].node, NodeId(50 + k));
         EXPECT_EQ(parts[k].from, 0);
         EXPECT_EQ(parts[k].to, 1);
     }
-    EXPECT_TRUE(find_severed_ranges(capsule(64, 16, 0.5f, 0, 10), s, segments, wanted).empty());
+    EXPECT_TRUE(
+        find_severed_ranges(capsule(64, 16, 0.5f, 0, 10), s, segments, EndShape::round, wanted).empty());
 }
 
 }  // namespace

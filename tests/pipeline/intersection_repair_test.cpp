@@ -306,6 +306,22 @@ TEST(RemovedRows, TipsOfRemeshedBranchesEndOneRadiusBeyondTheirNodes) {
     EXPECT_LT(20 * short_tips, tips);
 }
 
+// A twig that continues its stem, and a sibling that bends into the same direction: one tube contains both.
+TEST(RemovedRows, TipsInTheTubeOfASiblingAreReached) {
+    for (const auto [way, angle] : {std::pair{0.36f, 0.6f}, {0.39f, 0.56f}, {0.42f, 0.6f}}) {
+        SCOPED_TRACE(way);
+        const Vec3 up{0, 0, 1}, fork = 0.6f * up;
+        const Vec3 sibling = fork + way * Vec3{std::sin(angle), 0, std::cos(angle)};
+        const Skeleton s({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3)},
+                         {{}, fork, fork + way * up, sibling, sibling + 0.48f * up},
+                         {0.17f, 0.14f, 0.1f, 0.1f, 0.1f});
+        const QuadSurface made = mesh_skeleton(s).quads();
+        EXPECT_EQ(check_surface(to_polygons(made.mesh), &s).axes->short_tips, 0u);
+        EXPECT_TRUE(topology(made.mesh).watertight());
+        EXPECT_EQ(crossings(made.mesh), 0u);
+    }
+}
+
 TEST(RemovedRows, AreBitIdenticalForAnyNumberOfThreads) {
     const Skeleton hard = random_tree(300, 5, true);
     const QuadMesh one = mesh_skeleton(hard, {}, {.threads = 1}).quads().mesh;

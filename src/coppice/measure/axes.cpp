@@ -320,28 +320,36 @@ class AxesJudge {
     std::vector<Place> places_;
 };
 
+// [radii] Returns the distance from a tip at which a surface should end.
+double required_reach(EndShape tips) { return tips == EndShape::round ? 1 : 0; }
+
+std::vector<std::uint32_t> find_tips(const AxesJudge& judge) {
+    std::vector<std::uint32_t> out;
+    for (std::uint32_t i = 0; i < judge.capsules().size(); ++i) {
+        if (judge.is_tip(i)) out.push_back(i);
+    }
+    return out;
+}
+
 void judge_tips(const AxesJudge& judge, const Skeleton& skeleton, EndShape tips, const Context& ctx,
                 AxesFound& found) {
     AxesReport& out = found.report;
-    const double meant = tips == EndShape::round ? 1 : 0;
-    std::vector<std::uint32_t> tip;
-    for (std::uint32_t i = 0; i < judge.capsules().size(); ++i) {
-        if (judge.is_tip(i)) tip.push_back(i);
-    }
+    const double required = required_reach(tips);
+    const std::vector<std::uint32_t> tip = find_tips(judge);
     std::vector<double> reach(tip.size());
     std::vector<std::uint8_t> is_free(tip.size(), 1);
     parallel_for(ctx, tip.size(), kAxesGrain, [&](std::size_t k) {
         reach[k] = judge.reach(tip[k]);
         if (reach[k] <= kFreeTip) return;
         const RoundCone& c = judge.capsules().cone(tip[k]);
-        const Vec3d end = c.b() + normalized(c.axis) * (meant * c.radius_b());
+        const Vec3d end = c.b() + normalized(c.axis) * (required * c.radius_b());
         is_free[k] = judge.capsules().any_within(end, 1, tip[k]) ? 0 : 1;
     });
     out.tips = tip.size();
     std::vector<double> free_reach;
     for (std::size_t k = 0; k < tip.size(); ++k) {
         if (is_free[k] != 0) free_reach.push_back(reach[k]);
-        const double missing = meant - reach[k];
+        const double missing = required - reach[k];
         if (missing <= AxesReport::kShort) continue;
         const NodeId n = judge.capsules().node(tip[k]);
         out.shortest.push_back({n, Vec3d(skeleton.position(n)) + skeleton.origin(), missing});
@@ -365,12 +373,18 @@ AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeU
 }
 
 std::vector<SeveredRange> find_severed_ranges(const FaceView& mesh, const Skeleton& skeleton,
-                                              const CapsuleTree& segments,
+                                              const CapsuleTree& segments, EndShape tips,
                                               std::span<const std::uint8_t> wanted, const Context& ctx) {
     const FaceRuns faces(mesh, ctx);
     AxesJudge judge(faces, skeleton, segments, wanted);
     judge.judge(ctx);
-    return judge.find_severed_ranges();
+    std::vector<SeveredRange> out = judge.find_severed_ranges();
+    for (const std::uint32_t i : find_tips(judge)) {
+        if (required_reach(tips) - judge.reach(i) <= AxesReport::kShort) continue;
+        const RoundCone& c = segments.cone(i);
+        out.push_back({segments.node(i), std::max(0.0, 1 - c.radius_b() / length(c.axis)), 1});
+    }
+    return out;
 }
 
 }  // namespace coppice

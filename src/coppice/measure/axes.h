@@ -98,10 +98,11 @@ AxesFound judge_axes(const FaceView& mesh, const Skeleton& skeleton, const ConeU
                      const Context& ctx = {});
 
 /// Returns the portions of the axes of some segments (`wanted`, by node) at which a surface severs them,
-/// grouped by place. The mesh needs only the faces within two radii of these segments. `segments` must be the
-/// capsules of the skeleton, in the frame of the mesh.
+/// grouped by place, and the last radius of those that end in a short tip, `tips` being the shape of branch
+/// ends. The mesh needs only the faces within two radii of these segments. `segments` must be the capsules of
+/// the skeleton, in the frame of the mesh.
 std::vector<SeveredRange> find_severed_ranges(const FaceView& mesh, const Skeleton& skeleton,
-                                              const CapsuleTree& segments,
+                                              const CapsuleTree& segments, EndShape tips,
                                               std::span<const std::uint8_t> wanted, const Context& ctx = {});
 
 /// Calls visit(name, value) for every member, in order.

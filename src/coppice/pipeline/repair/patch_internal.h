@@ -34,6 +34,8 @@ struct Marched {
     TriMesh mesh;
     std::vector<AxisPoint> closest_axis_point;  ///< per vertex: the closest axis point, by distance in radii
     bool is_impossible = false;                 ///< tetrahedra find no surface, or it would be too large
+    /// Returns whether it contains all of some segments, which are ascending.
+    bool contains(std::span<const NodeId> some) const;
 };
 
 /// The surface that replaces a group of rows, joined to its cut rings by bands of triangles. The vertices of

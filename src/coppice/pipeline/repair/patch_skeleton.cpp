@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "coppice/base/id.h"
 #include "coppice/base/sort.h"
@@ -11,7 +12,6 @@ namespace {
 
 // [radii] margin of the field's skeleton beyond a cut ring, and its minimum.
 constexpr float kMargin = 3.5f;
-constexpr float kWideMargin = 8.0f;
 constexpr float kMinMargin = 2.0f;
 
 // The columns of a skeleton with nodes inserted where cut rings cross its segments.
@@ -62,12 +62,12 @@ class Neighbourhood {
 
     void add(NodeId segment) { inside_.push_back(segment); }
 
-    // The segments, parents first, with a margin of this number of radii.
-    std::vector<NodeId> with_margin(float margin) && {
-        std::sort(inside_.begin(), inside_.end());
+    // Adds the segments within this number of radii.
+    void extend(float radii) {
+        sort_unique(inside_);
         for (const NodeId n : inside_) {
-            reach(n, margin * s_.radius(n));
-            if (!s_.is_root(n)) reach(s_.parent(n), margin * s_.segment(n).radius_a);
+            reach(n, radii * s_.radius(n));
+            if (!s_.is_root(n)) reach(s_.parent(n), radii * s_.segment(n).radius_a);
         }
         while (!queue_.empty()) {
             const NodeId n = queue_.back();
@@ -80,8 +80,25 @@ class Neighbourhood {
             });
         }
         sort_unique(inside_);
-        return std::move(inside_);
     }
+
+    // Adds adjacent segments until there are this many.
+    void extend_to(std::size_t count) {
+        std::unordered_set<std::uint32_t> found;
+        for (const NodeId n : inside_) found.insert(n.index());
+        for (std::size_t i = 0; i < inside_.size() && inside_.size() < count; ++i) {
+            const NodeId n = inside_[i];
+            const auto add = [&](NodeId segment) {
+                if (found.insert(segment.index()).second) inside_.push_back(segment);
+            };
+            for_each_segment_at(s_, n, add);
+            if (!s_.is_root(n)) for_each_segment_at(s_, s_.parent(n), add);
+        }
+        sort_unique(inside_);
+    }
+
+    // The segments, parents first.
+    std::vector<NodeId> segments() && { return std::move(inside_); }
 
   private:
     void reach(NodeId n, float way) {
@@ -152,7 +169,8 @@ PatchSkeletons::PatchSkeletons(const QuadBuild& build, const TubeRows& tube_rows
     });
 }
 
-std::vector<NodeId> PatchSkeletons::segments_near(const RowGroup& group, float margin) const {
+std::vector<NodeId> PatchSkeletons::segments_near(const RowGroup& group, float margin,
+                                                  std::size_t count) const {
     Neighbourhood near(build_.skeleton);
     for (std::size_t i = 0; i < group.tube_rows.size(); ++i) {
         const NodeId tube = tube_rows_.tube(group.tube_rows[i]);
@@ -160,11 +178,13 @@ std::vector<NodeId> PatchSkeletons::segments_near(const RowGroup& group, float m
         near.add(build_.cage.region_node[tube.index()]);  // in case it wraps no segment
         for (const std::uint32_t n : wrapped_[tube.index()]) near.add(NodeId(n));
     }
-    return std::move(near).with_margin(margin);
+    near.extend(margin);
+    near.extend_to(count);
+    return std::move(near).segments();
 }
 
 std::vector<NodeId> PatchSkeletons::needed(const RowGroup& group) const {
-    return segments_near(group, kMinMargin);
+    return segments_near(group, kMinMargin, 0);
 }
 
 NodeId PatchSkeleton::node_at(NodeId segment, float t) const {
@@ -176,9 +196,9 @@ NodeId PatchSkeleton::node_at(NodeId segment, float t) const {
     return NodeId(node);
 }
 
-PatchSkeleton PatchSkeletons::of(const RowGroup& group, bool wide) const {
+PatchSkeleton PatchSkeletons::of(const RowGroup& group, std::size_t count) const {
     const Skeleton& s = build_.skeleton;
-    const std::vector<NodeId> segments = segments_near(group, wide ? kWideMargin : kMargin);
+    const std::vector<NodeId> segments = segments_near(group, kMargin, count);
     const std::vector<SeamPlace> places = seam_places(group.cut_rings, tube_rows_);
 
     CutSkeleton cut;

@@ -12,6 +12,7 @@
 #include "coppice/measure/intersections.h"
 #include "coppice/pipeline/remesh/collapse_short_edges_internal.h"
 #include "coppice/pipeline/remesh/zip_internal.h"
+#include "coppice/pipeline/repair/crossings_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/skeleton/segment_cone.h"
@@ -24,6 +25,7 @@ constexpr std::size_t kVertexGrain = 1024;
 constexpr float kLongestEdge = 1.0f;  // [radii] chords of longer edges are too far from the surface
 constexpr float kGap = 0.35f;         // [radii] gap between kept quads and new triangles
 constexpr float kDeepest = 2.5f, kHighest = 0.3f, kWidest = 2.5f;  // [radii] range of valid loops
+constexpr double kGrowth = 2;                                      // of the number of segments of a level set
 constexpr float kSeamReach = 2.2f;  // [radii] maximum distance of loops from the centre of a cut ring
 
 // [radii] Returns the length of edges of triangles that become as large as two quads.
@@ -287,23 +289,47 @@ std::vector<Segment> collect_segments(const Skeleton& s) {
     return out;
 }
 
-// Makes triangles about as large as required: those of tetrahedra are smaller. The surface stays as it is if
-// it would intersect itself, so that planar quads of its triangles never do.
+// Returns boxes around the intersecting pairs of triangles, inflated by their own size.
+std::vector<Box3> boxes_around(const TriMesh& mesh, std::span<const FacePair> pairs) {
+    std::vector<Box3> out;
+    for (const FacePair& pair : pairs) {
+        Box3 box;
+        for (const std::uint32_t t : {pair.first, pair.second}) {
+            for (const std::uint32_t v : mesh.triangles[t]) box.extend(mesh.positions[v]);
+        }
+        out.push_back(box.inflated(box.diagonal()));
+    }
+    return out;
+}
+
+// Makes triangles about as large as required: those of tetrahedra are smaller. Where the result intersects
+// itself, they keep their size, so that planar quads of its triangles never intersect.
 void coarsen(Marched& marched, float edge, const Context& ctx) {
+    constexpr int kAttempts = 3;
     std::vector<float> edges;
     for (const AxisPoint& p : marched.closest_axis_point) {
         const bool is_ball =
             p.t <= 0 || p.t >= 1;  // curved in both directions, with twice the error of chords
         edges.push_back(edge * p.radius * (is_ball ? 1 / std::numbers::sqrt2_v<float> : 1));
     }
-    TriMesh coarse = marched.mesh;
-    const std::vector<std::uint32_t> kept = collapse_short_edges(coarse, edges);
-    const PolygonMesh faces = to_polygons(coarse);
-    if (!crossing_faces(SurfaceTree(faces, ctx), 1, ctx).pairs.empty()) return;
-    marched.mesh = std::move(coarse);
-    for (std::size_t v = 0; v < kept.size(); ++v)
-        marched.closest_axis_point[v] = marched.closest_axis_point[kept[v]];
-    marched.closest_axis_point.resize(kept.size());
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        TriMesh coarse = marched.mesh;
+        const std::vector<std::uint32_t> kept = collapse_short_edges(coarse, edges);
+        const PolygonMesh faces = to_polygons(coarse);
+        const std::vector<FacePair> pairs = crossing_faces(SurfaceTree(faces, ctx), kMaxPairs, ctx).pairs;
+        if (pairs.empty()) {
+            marched.mesh = std::move(coarse);
+            for (std::size_t v = 0; v < kept.size(); ++v)
+                marched.closest_axis_point[v] = marched.closest_axis_point[kept[v]];
+            marched.closest_axis_point.resize(kept.size());
+            return;
+        }
+        const BoxTree around(boxes_around(coarse, pairs), ctx);
+        parallel_for(ctx, edges.size(), kVertexGrain, [&](std::size_t v) {
+            const Vec3 p = marched.mesh.positions[v];
+            around.visit_overlapping(Box3{p, p}, [&](std::uint32_t) { edges[v] = 0; });
+        });
+    }
 }
 
 std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const QuadMesh& mesh,
@@ -332,10 +358,6 @@ std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const 
     return std::make_shared<const Marched>(std::move(out));
 }
 
-bool holds(std::span<const NodeId> all, std::span<const NodeId> some) {
-    return std::includes(all.begin(), all.end(), some.begin(), some.end());
-}
-
 // Returns a close node per vertex: none for the rings, then those of the vertices of the level set.
 std::vector<NodeId> nodes_near(const PatchSurface& surface) {
     std::vector<NodeId> out(surface.ring_vertices);
@@ -346,6 +368,8 @@ std::vector<NodeId> nodes_near(const PatchSurface& surface) {
 
 }  // namespace
 
+bool Marched::contains(std::span<const NodeId> some) const { return std::ranges::includes(segments, some); }
+
 bool can_march(std::span<const Segment> segments, const QuadMesh& mesh, const MeshOptions& options) {
     return expected_triangles(segments, patch_options(options).tetra.edge) <=
            kMaxTriangles + static_cast<double>(mesh.quads.size());
@@ -354,9 +378,12 @@ bool can_march(std::span<const Segment> segments, const QuadMesh& mesh, const Me
 PatchSurface patch_surface(RowGroup group, std::shared_ptr<const Marched> marched,
                            const PatchSkeletons& skeletons, const QuadMesh& mesh, const MeshOptions& options,
                            const Context& ctx) {
-    const bool is_first = marched == nullptr;
-    const bool is_enough = !is_first && holds(marched->segments, skeletons.needed(group));
-    PatchSkeleton patch_skeleton = skeletons.of(group, !is_first);
+    const bool is_enough = marched && marched->contains(skeletons.needed(group));
+    // A group that has outgrown its level set grows again: its next one is larger by a factor, so that all
+    // level sets together cost only a constant factor more than the last one.
+    const auto count =
+        marched && !is_enough ? static_cast<std::size_t>(kGrowth * marched->segments.size()) : 0;
+    PatchSkeleton patch_skeleton = skeletons.of(group, count);
     PatchSurface surface{std::move(group), std::move(patch_skeleton), std::move(marched)};
     if (!is_enough) {
         surface.marched = march(surface.patch_skeleton, mesh, options, ctx);

@@ -41,6 +41,19 @@ bool is_clear_of(const CutRing& cut_ring, const RoundCone& branch) {
     return length(offset + across * t) > kClearance * (r + branch.radius(t));
 }
 
+// Returns the boxes of cut rings' centres, inflated by twice their radii, for which a branch may not be
+// clear.
+std::vector<Box3> boxes_around(std::span<const RoundCone> branches) {
+    std::vector<Box3> out;
+    for (const RoundCone& c : branches) {
+        Box3 box;
+        extend_outward(box, c.a);
+        extend_outward(box, c.b());
+        out.push_back(box.inflated(static_cast<float>(2 * std::max(c.radius_a, c.radius_b()))));
+    }
+    return out;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> ring_vertices(const RowGroup& group) {
@@ -50,10 +63,13 @@ std::vector<std::uint32_t> ring_vertices(const RowGroup& group) {
     return out;
 }
 
-RemovedRows::RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, const Context& ctx)
+RemovedRows::RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, std::vector<RoundCone> hidden,
+                         const Context& ctx)
     : tube_rows_(tube_rows),
       mesh_(mesh),
       capsules_(tube_rows.tubes(), tube_rows.tubes().origin(), ctx),
+      hidden_(std::move(hidden)),
+      near_hidden_(boxes_around(hidden_), ctx),
       gone_(tube_rows.count(), 0),
       excluded_(tube_rows.count(), 0),
       needed_(tube_rows.count(), 0),
@@ -245,6 +261,9 @@ bool RemovedRows::is_valid_cut(const CutRing& cut_ring) const {
         if (!clear || std::find(own.begin(), own.end(), capsules_.node(i)) != own.end()) return;
         clear = is_clear_of(cut_ring, capsules_.cone(i));
     });
+    const Box3 box = Box3{cut_ring.center, cut_ring.center}.inflated(2 * cut_ring.radius);
+    near_hidden_.visit_overlapping(
+        box, [&](std::uint32_t i) { clear = clear && is_clear_of(cut_ring, hidden_[i]); });
     return clear;
 }
 

@@ -13,6 +13,8 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/pipeline/quads/quad_build.h"
 #include "coppice/pipeline/repair/tube_rows_internal.h"
+#include "coppice/skeleton/segment_cone.h"
+#include "coppice/spatial/box_tree.h"
 
 namespace coppice::pipeline_internal {
 
@@ -40,8 +42,9 @@ std::vector<std::uint32_t> ring_vertices(const RowGroup& group);
 /// except by exclude().
 class RemovedRows {
   public:
-    /// The arguments must outlive this object.
-    RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, const Context& ctx);
+    /// `hidden`: branches without a tube of their own. The arguments must outlive this object.
+    RemovedRows(const TubeRows& tube_rows, const QuadMesh& mesh, std::vector<RoundCone> hidden,
+                const Context& ctx);
 
     void mark_removed(TubeRow s);  ///< marks a row as removed, unless it is excluded
     void require(TubeRow s);       ///< marks a row that must not be kept
@@ -87,6 +90,8 @@ class RemovedRows {
     const TubeRows& tube_rows_;
     const QuadMesh& mesh_;
     CapsuleTree capsules_;
+    std::vector<RoundCone> hidden_;
+    BoxTree near_hidden_;                                 // boxes around these
     std::vector<std::uint8_t> gone_, excluded_, needed_;  // per row
     DisjointSets together_;
     std::vector<TubeRow> marked_;  // removed rows
@@ -119,15 +124,15 @@ class PatchSkeletons {
     /// The arguments must outlive this object. O(n).
     PatchSkeletons(const QuadBuild& build, const TubeRows& tube_rows);
 
-    /// Returns the skeleton with segments cut at the cut rings. `wide`: for a group that has grown, and may
-    /// grow again. O(size of the group).
-    PatchSkeleton of(const RowGroup& group, bool wide) const;
+    /// Returns the skeleton with segments cut at the cut rings: with a margin that contains at least `count`
+    /// segments, if the bodies of the group have that many. O(number of segments).
+    PatchSkeleton of(const RowGroup& group, std::size_t count) const;
     /// Returns the segments that a group requires, ascending, with a smaller margin than of(), so that a
     /// previous result remains usable after the group has grown slightly. O(size of the group).
     std::vector<NodeId> needed(const RowGroup& group) const;
 
   private:
-    std::vector<NodeId> segments_near(const RowGroup& group, float margin) const;
+    std::vector<NodeId> segments_near(const RowGroup& group, float margin, std::size_t count) const;
 
     const QuadBuild& build_;
     const TubeRows& tube_rows_;

@@ -14,6 +14,7 @@
 #include "coppice/pipeline/repair/losses_internal.h"
 #include "coppice/pipeline/repair/severed_internal.h"
 #include "coppice/skeleton/measure.h"
+#include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {
 namespace {
@@ -24,6 +25,16 @@ constexpr float kZoneGrowth = 4;
 constexpr float kMaxZone = 100;
 constexpr int kRoundsForFolds = 3;  // rounds in which cut rings are moved for folded quads alone
 
+// Returns the branches that end in a hidden tip.
+std::vector<RoundCone> hidden_branches(const QuadBuild& build) {
+    std::vector<RoundCone> out;
+    for (const NodeId n : nodes(build.skeleton)) {
+        if (is_hidden_tip(n, build) && !build.skeleton.is_root(n))
+            out.push_back(round_cone<double>(build.skeleton.segment(n)));
+    }
+    return out;
+}
+
 class Remeshing {
   public:
     Remeshing(const TubeQuads& before, const QuadBuild& build, const Context& ctx)
@@ -31,7 +42,7 @@ class Remeshing {
           tube_rows_(before.tube_rows),
           rounds_(build.options.remesh_rounds),
           ctx_(ctx),
-          removed_(tube_rows_, before.mesh, ctx),
+          removed_(tube_rows_, before.mesh, hidden_branches(build), ctx),
           repair_patches_(build, tube_rows_, before.mesh, ctx),
           repair_level_(tube_rows_.count() + 1, RepairLevel::none) {}
 

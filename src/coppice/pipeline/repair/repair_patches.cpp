@@ -125,6 +125,10 @@ void RepairPatches::follow(std::vector<RowGroup> groups) {
         repair_patches[g] = std::make_unique<RepairPatch>(RepairPatch{
             patch_surface(std::move(groups[g]), std::move(made), skeletons_, mesh_, options_, ctx), {}});
     });
+    for (const std::uint32_t g : changed) {
+        const auto& made = repair_patches[g]->surface.marched;
+        if (!largest_ || made->segments.size() > largest_->segments.size()) largest_ = made;
+    }
     repair_patches_ = std::move(repair_patches);
     std::fill(owner_.begin(), owner_.end(), kNoIndex);
     for (std::uint32_t i = 0; i < repair_patches_.size(); ++i) {
@@ -132,7 +136,8 @@ void RepairPatches::follow(std::vector<RowGroup> groups) {
     }
 }
 
-// Returns the surface of the patch that has the most rows in common with a group.
+// Returns the level set of the patch that has the most rows in common with a group; or the largest one so far
+// if only that contains the group, and the group is a large part of it.
 std::shared_ptr<const Marched> RepairPatches::made_for(const RowGroup& group) const {
     std::vector<std::uint32_t> count(repair_patches_.size(), 0);
     std::uint32_t most = 0;
@@ -143,7 +148,10 @@ std::shared_ptr<const Marched> RepairPatches::made_for(const RowGroup& group) co
         most = count[i];
         best = repair_patches_[i]->surface.marched;
     }
-    return best;
+    if (!largest_ || largest_ == best || largest_->is_impossible) return best;
+    const std::vector<NodeId> needed = skeletons_.needed(group);
+    const bool is_large = needed.size() >= largest_->segments.size() / 4;
+    return is_large && largest_->contains(needed) && !(best && best->contains(needed)) ? largest_ : best;
 }
 
 // Removes more rows for patches that do not fit, and excludes those that cannot fit or are too large; returns

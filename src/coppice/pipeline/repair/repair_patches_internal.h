@@ -50,7 +50,8 @@ class RepairPatches {
     const Context& ctx_;
     PatchSkeletons skeletons_;
     std::vector<std::unique_ptr<RepairPatch>> repair_patches_;
-    std::vector<std::uint32_t> owner_;  // per row: the patch that replaces it
+    std::vector<std::uint32_t> owner_;        // per row: the patch that replaces it
+    std::shared_ptr<const Marched> largest_;  // level set of the most segments so far
 };
 
 /// Inserts the repair patches into the mesh: kept quads and vertices first, in their order. Returns the

@@ -8,6 +8,7 @@
 #include "coppice/base/sort.h"
 #include "coppice/measure/axes.h"
 #include "coppice/measure/capsule_tree.h"
+#include "coppice/pipeline/end_shapes_internal.h"
 #include "coppice/skeleton/segment_cone.h"
 
 namespace coppice::pipeline_internal {
@@ -71,7 +72,7 @@ bool is_pressed(NodeId tube, const BasicRoundCone<float>& axis, const TubeQuads&
     return is_near;
 }
 
-// Per node of the field's skeleton: whether its axis may be severed.
+// Per node of the field's skeleton: whether its axis may be severed, or its tip short.
 Flags doubtful_segments(const QuadBuild& build, const TubeQuads& quads, const Context& ctx) {
     Flags out(build.skeleton.size(), 0);
     parallel_for(ctx, out.size(), kGrain, [&](std::size_t i) {
@@ -80,7 +81,7 @@ Flags doubtful_segments(const QuadBuild& build, const TubeQuads& quads, const Co
         const auto axis = round_cone<float>(build.skeleton.segment(n));
         const bool is_near = std::ranges::any_of(build.wrapping[i],
                                                  [&](NodeId tube) { return is_pressed(tube, axis, quads); });
-        out[i] = is_near ? 1 : 0;
+        out[i] = is_near || is_hidden_tip(n, build) ? 1 : 0;
     });
     return out;
 }
@@ -115,15 +116,25 @@ void add_slices(const SeveredRange& part, const QuadBuild& build, const TubeRows
 
 }  // namespace
 
+bool is_hidden_tip(NodeId n, const QuadBuild& build) {
+    const std::span<const NodeId> wrapping = build.wrapping[n.index()];
+    const auto is_tip = [&](NodeId tube) { return build.tubes.is_tip(tube); };
+    return build.skeleton.is_tip(n) && !wrapping.empty() && std::ranges::none_of(wrapping, is_tip);
+}
+
 std::vector<TubeRow> find_severed_rows(const QuadBuild& build, const TubeQuads& quads, const Context& ctx) {
     const Flags doubtful = doubtful_segments(build, quads, ctx);
     const Skeleton& s = build.skeleton;
     const PolygonMesh faces = faces_about(doubtful, s, quads, ctx);
     if (faces.face_count() == 0) return {};
     const CapsuleTree segments(s, s.origin(), ctx);
-    const std::vector<SeveredRange> parts = find_severed_ranges(faces, s, segments, doubtful, ctx);
+    const std::vector<SeveredRange> parts =
+        find_severed_ranges(faces, s, segments, tip_end(build.options.control), doubtful, ctx);
     std::vector<TubeRow> out;
-    for (const SeveredRange& part : parts) add_slices(part, build, quads.tube_rows, out);
+    for (SeveredRange part : parts) {
+        if (is_hidden_tip(part.node, build)) part.from = 0;  // the whole branch is in the tube of another one
+        add_slices(part, build, quads.tube_rows, out);
+    }
     sort_unique(out);
     return out;
 }
