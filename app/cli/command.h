@@ -29,8 +29,10 @@ struct Command {
     std::function<ExitCode(Run&, const GivenOptions&)> run;
 };
 
-/// Returns all commands in the order of the help, each with the common options.
-std::vector<Command> all_commands(CommonFlags& common);
+/// Returns the commands that need no terminal, in the order of the help.
+std::vector<Command> batch_commands();
+/// Adds the common options to each command.
+std::vector<Command> with_common_options(std::vector<Command> commands, CommonFlags& common);
 
 Command mesh_command();
 Command extract_command();
@@ -57,7 +59,8 @@ Command edit_command();
 Command animate_command();
 Command shell_command();
 Command studio_command();
-Command schema_command();
+/// Describes the commands that the function returns.
+Command schema_command(std::function<std::vector<Command>()> list);
 
 /// Returns the flags of the members of MeshOptions where they differ from the names of the members; `common`
 /// are the members that the short help shows.

@@ -46,7 +46,7 @@ Loaded load(Run& run, std::span<const std::filesystem::path> files, const std::s
     Loaded out;
     const std::span attributes(&attribute, attribute.empty() ? 0 : 1);
     for (const std::filesystem::path& path : files) {
-        const FileKind kind = kind_of_input(path, read.format);
+        const FileKind kind = kind_of_input(run, path, read.format);
         if (kind == FileKind::skeleton) {
             out.skeletons.push_back({path.string(), load_skeleton(run, path, read)});
         } else if (kind == FileKind::points) {

@@ -9,11 +9,72 @@
 #include "coppice/io_points/writer.h"
 #include "coppice/io_sketch/sketch_file.h"
 #include "coppice/points/spacing.h"
+#include "held_objects.h"
 #include "options.h"
 
 namespace coppice::cli {
+namespace {
 
-FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format) {
+const HeldObject* find_held(const Run& run, const std::filesystem::path& path) {
+    const HeldObjects* const objects = run.host().held_objects();
+    if (objects == nullptr || !HeldObjects::is_name(path)) return nullptr;
+    if (const HeldObject* found = objects->find(path)) return found;
+    throw InvalidInput(fmt::format("there is no object '{}' in memory; store it first", path.string()));
+}
+
+/// Returns the object of a name in memory; null if it names a file. Throws UsageError for an object of
+/// another kind.
+template <class Object>
+std::shared_ptr<const Object> find_held(const Run& run, const std::filesystem::path& path) {
+    const HeldObject* const held = find_held(run, path);
+    if (held == nullptr) return nullptr;
+    if (const auto* object = std::get_if<std::shared_ptr<const Object>>(held)) return *object;
+    const FileKind wanted = std::is_same_v<Object, SkeletonFile>  ? FileKind::skeleton
+                            : std::is_same_v<Object, HeldSurface> ? FileKind::mesh
+                                                                  : FileKind::points;
+    throw UsageError(fmt::format("{} is needed here, and '{}' is another kind of object",
+                                 with_article(wanted), path.string()));
+}
+
+FileKind kind_of_held(const HeldObject& held, const std::filesystem::path& path) {
+    if (std::holds_alternative<std::shared_ptr<const SkeletonFile>>(held)) return FileKind::skeleton;
+    if (std::holds_alternative<std::shared_ptr<const HeldSurface>>(held)) return FileKind::mesh;
+    if (std::holds_alternative<std::shared_ptr<const PointFile>>(held)) return FileKind::points;
+    throw UsageError(fmt::format("'{}' is a text, and a skeleton, a mesh or a cloud of points is needed here",
+                                 path.string()));
+}
+
+/// Returns a skeleton in memory. Throws UsageError for options that only apply to files.
+SkeletonFile held_skeleton(const SkeletonFile& held, const ReadSkeletonOptions& options) {
+    if (options.scale != 1 || options.up != FileUp::z || options.units != LengthUnit::automatic ||
+        options.default_radius != 0 || options.model > 1)
+        throw UsageError("options for reading do not apply to a skeleton in memory; leave them out");
+    return held;
+}
+
+/// Returns the polygons of a surface in memory and its requested attributes.
+MeshFile to_mesh_file(const HeldSurface& held, std::span<const std::string> attributes) {
+    MeshFile out{.mesh = std::visit(
+                     [](const auto& mesh) {
+                         if constexpr (std::is_same_v<std::remove_cvref_t<decltype(mesh)>, PolygonMesh>)
+                             return mesh;
+                         else
+                             return coppice::to_polygons(mesh);
+                     },
+                     held.mesh),
+                 .attributes = {}};
+    out.mesh.texture = held.texture;
+    out.mesh.texture_blends = held.blends;
+    for (const VertexAttribute& attribute : held.attributes)
+        if (std::ranges::find(attributes, attribute.name) != attributes.end())
+            out.attributes.push_back(attribute);
+    return out;
+}
+
+}  // namespace
+
+FileKind kind_of_input(const Run& run, const std::filesystem::path& path, SkeletonFormat format) {
+    if (const HeldObject* held = find_held(run, path)) return kind_of_held(*held, path);
     if (format != SkeletonFormat::automatic) return FileKind::skeleton;
     const auto kind = kind_of_file(path);
     // The content of a pipe is unknown until the reader sees it.
@@ -25,6 +86,13 @@ FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format)
         fmt::format("'{}' is neither a skeleton nor a mesh nor points, as far as its name and content show; "
                     "see coppice help convert",
                     path.string()));
+}
+
+std::shared_ptr<const std::string> find_held_text(const Run& run, const std::filesystem::path& path) {
+    const HeldObject* const held = find_held(run, path);
+    if (held == nullptr) return nullptr;
+    if (const auto* text = std::get_if<std::shared_ptr<const std::string>>(held)) return *text;
+    throw UsageError(fmt::format("a text is needed here, and '{}' is another kind of object", path.string()));
 }
 
 FileKind kind_to_write(const std::filesystem::path& path, FileKind preferred) {
@@ -139,11 +207,13 @@ void check_units(std::optional<LengthUnit>& before, const std::string& path, Len
 }
 
 SkeletonFile load_skeleton(Run& run, const std::filesystem::path& path, const ReadSkeletonOptions& options) {
-    const FileKind kind = kind_of_input(path, options.format);
+    const FileKind kind = kind_of_input(run, path, options.format);
     if (kind != FileKind::skeleton || is_sketch_name(path))
         throw UsageError(remedy_for(path, kind, "a skeleton"));
-    SkeletonFile file =
-        run.stage("read", [&](const Context& ctx) { return read_skeleton(path, options, ctx); });
+    SkeletonFile file = run.stage("read", [&](const Context& ctx) {
+        if (const auto held = find_held<SkeletonFile>(run, path)) return held_skeleton(*held, options);
+        return read_skeleton(path, options, ctx);
+    });
     run.count_skeleton(file.skeleton);
     run.repairs() = compute_figures(file.report);
     return file;
@@ -155,16 +225,20 @@ PolygonMesh load_mesh(Run& run, const std::filesystem::path& path, FileUp up) {
 
 MeshFile load_mesh_file(Run& run, const std::filesystem::path& path, std::span<const std::string> attributes,
                         FileUp up) {
-    MeshFile file =
-        run.stage("read", [&](const Context& ctx) { return read_mesh_file(path, attributes, ctx); });
-    if (mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(file.mesh, up);
+    const auto held = find_held<HeldSurface>(run, path);
+    MeshFile file = run.stage("read", [&](const Context& ctx) {
+        return held ? to_mesh_file(*held, attributes) : read_mesh_file(path, attributes, ctx);
+    });
+    if (!held && mesh_format_of_name(path) != MeshFormat::glb) turn_from_file(file.mesh, up);
     run.counts().update({{"vertices", file.mesh.positions.size()}, {"faces", file.mesh.face_count()}});
     return file;
 }
 
 PointFile load_point_file(Run& run, const std::filesystem::path& path, const PointColumns& columns, FileUp up,
                           const std::optional<ReadPointsOptions>& options) {
+    const auto held = find_held<PointFile>(run, path);
     PointFile file = run.stage("read", [&](const Context& ctx) {
+        if (held) return *held;
         try {
             return read_point_file(path, columns, options.value_or(ReadPointsOptions{}), ctx);
         } catch (const TruncatedFile& error) {
@@ -174,7 +248,7 @@ PointFile load_point_file(Run& run, const std::filesystem::path& path, const Poi
         }
     });
     PointSet& points = file.point_cloud.points;
-    turn_from_file(points, up);
+    if (!held) turn_from_file(points, up);
     run.counts()["points"] = points.size();
     if (file.without_return > 0) run.counts()["rays_without_return"] = file.without_return;
     if (file.missing > 0) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,9 +20,13 @@
 
 namespace coppice::cli {
 
-/// Returns the kind of a file; all commands use this function. An explicit format makes it a skeleton. Throws
-/// UsageError if the kind is unknown.
-FileKind kind_of_input(const std::filesystem::path& path, SkeletonFormat format = SkeletonFormat::automatic);
+/// Returns the kind of a file or of an object in memory; all commands use this function. An explicit format
+/// makes a file a skeleton. Throws UsageError if the kind is unknown.
+FileKind kind_of_input(const Run& run, const std::filesystem::path& path,
+                       SkeletonFormat format = SkeletonFormat::automatic);
+
+/// Returns the text of a name in memory, such as a scene; null if it names a file.
+std::shared_ptr<const std::string> find_held_text(const Run& run, const std::filesystem::path& path);
 
 /// Returns the kind of an output with this name, as `kind_of_output` does. Throws UsageError if the extension
 /// is unknown.

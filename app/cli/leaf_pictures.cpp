@@ -4,6 +4,7 @@
 
 #include "files.h"
 #include "pictures.h"
+#include "results.h"
 
 namespace coppice::cli {
 
@@ -19,7 +20,7 @@ void write_leafed_picture(Run& run, const std::filesystem::path& path, const Pol
         scene.prototype_materials = leaf_materials;
     }
     const Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
-    run.stage("write image", [&](const Context&) { write_picture(path, image); });
+    run.stage("write image", [&](const Context&) { store_picture(run, path, image); });
 }
 
 std::string count_leaves(Run& run, const SurfaceLeaves& leaves) {

@@ -1,63 +1,48 @@
-#include <fmt/format.h>
-
-#include <filesystem>
-#include <new>
-
 #include "command.h"
-#include "coppice/system/file.h"
-#include "memory.h"
+#include "errors.h"
 #include "messages.h"
 #include "outputs.h"
 #include "parser.h"
 #include "signals.h"
 #include "streams.h"
+#include "terminal.h"
 
 namespace coppice::cli {
 namespace {
 
+/// Returns all commands in the order of the help.
+std::vector<Command> program_commands() {
+    std::vector<Command> commands = batch_commands();
+    commands.push_back(shell_command());
+    commands.push_back(studio_command());
+    commands.push_back(schema_command(program_commands));
+    return commands;
+}
+
 ExitCode run_command_line(std::span<const char* const> arguments, Signals& signals) {
     CommonFlags common;
-    const std::vector<Command> commands = all_commands(common);
+    const std::vector<Command> commands = with_common_options(program_commands(), common);
     const Parser::Request request = Parser(commands).parse(arguments);
     if (request.command == nullptr) {
         print(request.text);
         return kDone;
     }
     check_outputs(request.given);
-    Run run(request.command->name, common, signals);
+    Terminal terminal(signals);
+    Run run(request.command->name, common, terminal);
     return request.command->run(run, request.given);
-}
-
-ExitCode fail(ExitCode code, const char* message) {
-    say(message);
-    return code;
 }
 
 ExitCode run_program(std::span<const char* const> arguments) {
     open_standard_streams();
     Signals signals;
-    try {
-        const ExitCode code = run_command_line(arguments, signals);
-        flush_output();
-        return code;
-    } catch (const UsageError& error) {
-        return fail(kWrongUsage, error.what());
-    } catch (const Cancelled& error) {
-        return fail(kInterrupted, error.what());
-    } catch (const IoError& error) {
-        return fail(kFileTrouble, error.what());
-    } catch (const Error& error) {
-        return fail(kBadInput, error.what());
-    } catch (const std::filesystem::filesystem_error& error) {
-        return fail(kFileTrouble, fmt::format("cannot use {}: {}", error.path1().string(),
-                                              file_error_text(error.code().value()))
-                                      .c_str());
-    } catch (const std::bad_alloc&) {
-        return fail(kBadInput, out_of_memory_text());
-    } catch (const std::exception& error) {
-        return fail(kBadInput,
-                    fmt::format("this is a defect of coppice, please report it: {}", error.what()).c_str());
-    }
+    return catch_errors(
+        [&] {
+            const ExitCode code = run_command_line(arguments, signals);
+            flush_output();
+            return code;
+        },
+        say);
 }
 
 }  // namespace

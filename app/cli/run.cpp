@@ -1,7 +1,6 @@
 #include "run.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +11,10 @@
 #include "coppice/version.h"
 #include "files.h"
 #include "memory.h"
-#include "messages.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
 
-constexpr int kBarWidth = 30;
 constexpr Field kThreads =
     common_field("threads", "Number of threads; 0 uses all cores.", Unit::none, 0, 1024);
 constexpr Field kMaxMemory{
@@ -45,11 +41,11 @@ void add_common_options(OptionList& options, CommonFlags& flags) {
                  {.group = group, .common = false});
 }
 
-Run::Run(std::string command, CommonFlags flags, Signals& signals)
+Run::Run(std::string command, CommonFlags flags, Host& host)
     : command_(std::move(command)),
       flags_(std::move(flags)),
-      signals_(signals),
-      terminal_(!flags_.quiet && isatty(STDERR_FILENO) != 0) {
+      host_(host),
+      shows_progress_(!flags_.quiet && host.shows_progress()) {
     if (!flags_.report.empty()) check_output_folder(flags_.report);
     if (flags_.max_memory != 0 && flags_.max_memory < kMinMemory) {
         throw UsageError(fmt::format("--max-memory takes 0 or a whole number from {}, not '{}'", kMinMemory,
@@ -60,19 +56,18 @@ Run::Run(std::string command, CommonFlags flags, Signals& signals)
 
 int Run::max_memory(int otherwise) {
     const int most = flags_.max_memory != 0 ? flags_.max_memory : otherwise;
-    limit_memory(most, threads_of_machine());
+    host_.limit_memory(most, threads_of_machine());
     return most;
 }
 
 Context Run::context(const std::string& stage) {
     Context ctx;
     ctx.threads = std::min(static_cast<unsigned>(flags_.threads), threads_of_machine());
-    ctx.stop = signals_.token();
+    ctx.stop = host_.stop_token();
     ctx.throw_if_cancelled();
-    if (terminal_) {
-        shown_percent_ = -1;
-        ctx.progress = [this, stage](float fraction) { show_progress(stage, fraction); };
-        show_progress(stage, 0);
+    if (shows_progress_) {
+        ctx.progress = [this, stage](float fraction) { host_.show_progress(subject_, stage, fraction); };
+        ctx.progress(0);
     }
     return ctx;
 }
@@ -84,25 +79,11 @@ Run::Clock::Clock(Run& run, const std::string& name) : run_(run), stage_(run.sta
 
 Run::Clock::~Clock() {
     run_.stages_[stage_].second = seconds_since(start_);
-    run_.clear_progress();
+    if (run_.shows_progress_) run_.host_.clear_progress();
 }
 
-void Run::show_progress(const std::string& stage, float fraction) {
-    const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0f, 1.0f));
-    if (percent == shown_percent_) return;
-    shown_percent_ = percent;
-    const std::string bar(static_cast<std::size_t>(percent * kBarWidth / 100), '#');
-    const std::string subject = subject_.empty() ? "" : one_line(subject_) + ": ";
-    print_error(fmt::format("\r\033[K{}{:<10} [{:<{}}] {:>3} %", subject, stage, bar, kBarWidth, percent));
-}
-
-void Run::clear_progress() {
-    if (!terminal_ || shown_percent_ < 0) return;
-    print_error("\r\033[K");
-    shown_percent_ = -1;
-}
-
-Json Run::report(double seconds) const {
+Json Run::report() const {
+    const double seconds = seconds_since(start_);
     Json stages = Json::array();
     for (const auto& [name, took] : stages_) stages.push_back({{"name", name}, {"seconds", rounded(took)}});
     return {{"coppice", kVersion},         {"command", command_},
@@ -114,14 +95,14 @@ Json Run::report(double seconds) const {
 void Run::warn(const std::string& text) {
     warnings_.emplace_back(text);
     if (flags_.quiet) return;
-    clear_progress();
-    say("warning: " + text);
+    if (shows_progress_) host_.clear_progress();
+    host_.say("warning: " + text);
 }
 
 void Run::finish(const std::string& summary) {
     const double total = seconds_since(start_);
-    if (!flags_.report.empty()) write_file(flags_.report, figures_json(report(total)));
-    if (!terminal_) return;
+    if (!flags_.report.empty()) write_file(flags_.report, figures_json(report()));
+    if (!shows_progress_) return;
     std::vector<std::pair<std::string_view, double>> sums;  // for stages with the same name, as of many files
     for (const auto& [name, seconds] : stages_) {
         const auto known =
@@ -133,8 +114,8 @@ void Run::finish(const std::string& summary) {
     }
     std::vector<std::string> parts;
     for (const auto& [name, seconds] : sums) parts.push_back(fmt::format("{} {:.2f}", name, seconds));
-    print_error(fmt::format("{}\n{:.2f} s ({}), peak memory {} MB\n", one_line(summary), total,
-                            fmt::join(parts, ", "), measure_memory().peak / 1'000'000));
+    host_.finish(summary, fmt::format("{:.2f} s ({}), peak memory {} MB", total, fmt::join(parts, ", "),
+                                      measure_memory().peak / 1'000'000));
 }
 
 }  // namespace coppice::cli

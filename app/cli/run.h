@@ -10,8 +10,8 @@
 #include "coppice/base/context.h"
 #include "coppice/skeleton/skeleton.h"
 #include "figures.h"
+#include "host.h"
 #include "options.h"
-#include "signals.h"
 
 namespace coppice::cli {
 
@@ -28,7 +28,8 @@ void add_common_options(OptionList& options, CommonFlags& flags);
 /// report.
 class Run {
   public:
-    Run(std::string command, CommonFlags flags, Signals& signals);
+    /// Stores a reference to the host.
+    Run(std::string command, CommonFlags flags, Host& host);
 
     /// Runs stage(context) and returns its result; throws Cancelled if a stop was requested.
     template <class Stage>
@@ -48,14 +49,20 @@ class Run {
     }
 
     /// Clears a stop request, so that later work is not stopped.
-    void forget_interrupt() { signals_.forget(); }
+    void forget_interrupt() { host_.forget_stop(); }
 
     /// Returns whether Ctrl-C requested a stop; for work without an end.
-    std::stop_token stop_token() const { return signals_.token(); }
+    std::stop_token stop_token() const { return host_.stop_token(); }
 
     /// [MiB] Limits the memory of the process to the value of --max-memory, or else to `otherwise`, at least
     /// kMinMemory; returns the limit.
     int max_memory(int otherwise);
+
+    Host& host() const { return host_; }  ///< surroundings of the command
+    /// Outputs data. Throws IoError on failure.
+    void print(std::string_view text) { host_.print(text); }
+    /// Outputs a message of one line.
+    void say(const std::string& message) { host_.say(message); }
 
     Json& counts() { return counts_; }
     Json& repairs() { return repairs_; }
@@ -66,6 +73,9 @@ class Run {
 
     /// Prints a warning on stderr, unless --quiet, and adds it to the report.
     void warn(const std::string& text);
+
+    /// Returns the report: stages, counts, repairs and warnings until now.
+    Json report() const;
 
     /// Writes the report, if requested, and prints a summary of the result and the elapsed time.
     void finish(const std::string& summary);
@@ -84,17 +94,13 @@ class Run {
         std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     };
 
-    Json report(double seconds) const;
     Context context(const std::string& stage);
-    void show_progress(const std::string& stage, float fraction);
-    void clear_progress();
 
     std::string command_;
     CommonFlags flags_;
-    Signals& signals_;
-    bool terminal_;
+    Host& host_;
+    bool shows_progress_;
     std::string subject_;
-    int shown_percent_ = -1;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     std::vector<std::pair<std::string, double>> stages_;
     Json counts_ = Json::object();

@@ -9,7 +9,6 @@
 #include "coppice/options/spelling.h"
 #include "coppice/system/file.h"
 #include "files.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -48,6 +47,12 @@ void check_known(const std::string& name, const std::vector<std::string>& known)
     throw UsageError(fmt::format("--set: the scene has no variable {}{}", quote(name), hint));
 }
 
+/// Returns the text of a scene file or of a text in memory.
+std::string read_scene(const Run& run, const std::filesystem::path& path) {
+    if (const auto text = find_held_text(run, path)) return *text;
+    return read_commands(path, "a scene");
+}
+
 }  // namespace
 
 void add_scene_options(OptionList& options, SceneFlags& flags) {
@@ -70,7 +75,7 @@ std::string read_commands(const std::filesystem::path& path, std::string_view su
 std::vector<SceneFile> read_scenes(Run& run, std::span<const std::filesystem::path> paths) {
     return run.stage("read", [&](const Context&) {
         std::vector<SceneFile> scenes;
-        for (const auto& path : paths) scenes.push_back({path, read_commands(path, "a scene")});
+        for (const auto& path : paths) scenes.push_back({path, read_scene(run, path)});
         return scenes;
     });
 }
@@ -101,7 +106,7 @@ void run_scene(Run& run, Scene& scene, const SceneFile& file) {
                 all += scene.run(line.text, fmt::format("{}:{}", source, line.number), ctx);
             return all;
         });
-        print(output);
+        run.print(output);
     }
 }
 

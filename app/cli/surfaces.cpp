@@ -13,6 +13,7 @@
 #include "figures.h"
 #include "files.h"
 #include "pictures.h"
+#include "results.h"
 
 namespace coppice::cli {
 namespace {
@@ -317,7 +318,7 @@ std::string then_mesh(Run& run, const std::filesystem::path& path, const Skeleto
     if (path.empty()) return {};
     const MeshResult made =
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(skeleton, options, ctx); });
-    run.stage("write mesh", [&](const Context& ctx) { write_surface(path, made, {}, ctx); });
+    run.stage("write mesh", [&](const Context& ctx) { store_surface(run, path, made, {}, ctx); });
     const Verdict verdict = judge(run, made, skeleton, options.control);
     return fmt::format("; {}: {}{}", path.string(), count_surface(run, made), verdict.text);
 }

@@ -135,7 +135,7 @@ ExitCode chart(Run& run, const ChartFlags& flags) {
     for (const auto& path : flags.files) {
         ChartSeries series{path.filename().string(), {}};
         LengthUnit of_file = LengthUnit::m;
-        if (kind == ChartKind::taper && kind_of_input(path, flags.read.format) == FileKind::points) {
+        if (kind == ChartKind::taper && kind_of_input(run, path, flags.read.format) == FileKind::points) {
             const PointSet points = load_points(run, path, flags.read.up, flags.read_points);
             run.stage("measure", [&](const Context& ctx) {
                 const StemForm form = stem_form(points, ctx);

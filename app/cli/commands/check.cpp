@@ -7,9 +7,7 @@
 #include "coppice/render/colors.h"
 #include "figures.h"
 #include "files.h"
-#include "messages.h"
 #include "options.h"
-#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -153,11 +151,11 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     figures["sound"] = nullptr;  // unless the report contains it
     figures.update(compute_figures(report));
     if (cloud) figures.update(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
-    print(flags.json ? figures_json(figures) : figures_text(figures, "unknown: crossings not checked"));
+    run.print(flags.json ? figures_json(figures) : figures_text(figures, "unknown: crossings not checked"));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            format_verdict(report)));
-    for (const std::string& fault : all_faults(report, flags)) say(fault);
+    for (const std::string& fault : all_faults(report, flags)) run.say(fault);
     return report.passes() ? kDone : kCheckFailed;
 }
 

@@ -5,7 +5,6 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -37,7 +36,7 @@ ExitCode compare_files(Run& run, const CompareFlags& flags) {
         "compare", [&](const Context& ctx) { return compare(a.skeleton, b.skeleton, flags.compare, ctx); });
     check_units(match, a.skeleton, b.skeleton, flags);
     const Json figures = compute_figures(match);
-    print(flags.json ? figures_json(figures) : figures_text(figures));
+    run.print(flags.json ? figures_json(figures) : figures_text(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {:.1f} % of {} found", flags.found.string(), match.covered_percent,
                            flags.reference.string()));

@@ -7,6 +7,7 @@
 #include "coppice/io_skeleton/writer.h"
 #include "files.h"
 #include "options.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -21,8 +22,8 @@ struct ConvertFlags {
 };
 
 /// Returns the kind of the output, which must equal that of the input.
-FileKind agreed_kind(const ConvertFlags& flags) {
-    const FileKind from = kind_of_input(flags.input, flags.read.format);
+FileKind agreed_kind(const Run& run, const ConvertFlags& flags) {
+    const FileKind from = kind_of_input(run, flags.input, flags.read.format);
     if (from == FileKind::skeleton && flags.write.format != SkeletonFormat::automatic) return from;
     if (from == FileKind::points &&
         (point_format_of_name(flags.output) || !kind_of_output(flags.output, from)))
@@ -37,7 +38,7 @@ FileKind agreed_kind(const ConvertFlags& flags) {
 ExitCode convert(Run& run, const ConvertFlags& flags) {
     if (flags.input.empty() || flags.output.empty())
         throw UsageError("name both files: coppice convert IN -o OUT");
-    const FileKind kind = agreed_kind(flags);
+    const FileKind kind = agreed_kind(run, flags);
     if (flags.mesh.normals && kind != FileKind::mesh)
         throw UsageError(fmt::format("--normals requires a mesh, and '{}' is {}", flags.input.string(),
                                      with_article(kind)));
@@ -49,7 +50,7 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
             WriteSkeletonOptions write = flags.write;
             write.units = file.units;
             write.up = flags.mesh.up;
-            write_skeleton(flags.output, file.skeleton, write, file.attributes, ctx);
+            store_skeleton(run, flags.output, file.skeleton, write, file.attributes, ctx);
         });
         subject = grouped(file.skeleton.size()) + " nodes";
     } else if (kind == FileKind::points) {
@@ -58,7 +59,7 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
         PointFile file = load_point_file(run, flags.input, columns, flags.read.up, flags.read_points);
         turn_to_file(file.point_cloud.points, flags.mesh.up);
         run.stage("write", [&](const Context& ctx) {
-            write_point_cloud(flags.output, file.point_cloud, {.system = file.system}, ctx);
+            store_points(run, flags.output, file.point_cloud, file.system, ctx);
         });
         subject =
             fmt::format("{} points{}", grouped(file.point_cloud.points.size()), text_of_rays_left_out(file));
@@ -71,7 +72,7 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
             options.texture = mesh.texture;
             options.texture_blends = mesh.texture_blends;
         }
-        run.stage("write", [&](const Context& ctx) { write_mesh(flags.output, mesh, options, ctx); });
+        run.stage("write", [&](const Context& ctx) { store_mesh(run, flags.output, mesh, options, ctx); });
         subject = grouped(mesh.face_count()) + " faces";
     }
     run.finish(fmt::format("{}: {}", flags.output.string(), subject));

@@ -7,8 +7,8 @@
 #include "coppice/system/file.h"
 #include "files.h"
 #include "options.h"
+#include "results.h"
 #include "scene_files.h"
-#include "streams.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -54,7 +54,7 @@ void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, c
         const Skeleton edited = session.tree().skeleton();
         const auto attributes = kept_attributes(file.attributes, file.skeleton, edited);
         for (const auto& output : flags.outputs) {
-            write_skeleton(output, edited, {.units = file.units}, attributes, ctx);
+            store_skeleton(run, output, edited, {.units = file.units}, attributes, ctx);
         }
         if (flags.save_edits.empty()) return;
         write_file(flags.save_edits, session.saved());
@@ -63,7 +63,7 @@ void write_results(Run& run, const EditFlags& flags, const SkeletonFile& file, c
 
 ExitCode edit(Run& run, const EditFlags& flags) {
     if (flags.reference) {
-        print(scene_reference("Editing trees"));
+        run.print(scene_reference("Editing trees"));
         run.finish("reference printed");
         return kDone;
     }
@@ -74,7 +74,7 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     const auto run_files = [&](const std::vector<std::filesystem::path>& files, const char* stage,
                                std::string_view subject, auto&& text) {
         for (const auto& path : files)
-            print(run.stage(stage, [&](const Context& ctx) {
+            run.print(run.stage(stage, [&](const Context& ctx) {
                 return text(read_commands(path, subject), path.string(), ctx);
             }));
     };
@@ -85,7 +85,7 @@ ExitCode edit(Run& run, const EditFlags& flags) {
     run_files(flags.scripts, "edit", "a list of edits",
               [&](const auto&... all) { return session.run_text(all...); });
     for (const auto& commands : flags.commands) {
-        print(run.stage("edit", [&](const Context& ctx) {
+        run.print(run.stage("edit", [&](const Context& ctx) {
             return session.run_text(commands.string(), "COMMANDS", ctx);
         }));
     }

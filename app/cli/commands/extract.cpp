@@ -28,6 +28,7 @@
 #include "memory.h"
 #include "options.h"
 #include "plots.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -213,9 +214,9 @@ void refuse_options_of_one_tree(const GivenOptions& given, const ExtractFlags& f
     }
 }
 
-void check_plot_options(const GivenOptions& given, const ExtractFlags& flags) {
+void check_plot_options(const Run& run, const GivenOptions& given, const ExtractFlags& flags) {
     refuse_options_of_one_tree(given, flags);
-    if (kind_of_input(flags.input) == FileKind::points) return;
+    if (kind_of_input(run, flags.input) == FileKind::points) return;
     throw UsageError(
         fmt::format("'{}' names a folder, as for a plot of many trees, and '{}' is no cloud of points; name "
                     "the skeleton, as tree.swc",
@@ -249,7 +250,7 @@ bool in_doubt(const PlotExtraction& plot) {
 }
 
 ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flags) {
-    check_plot_options(given, flags);
+    check_plot_options(run, given, flags);
     check_groups(given, flags.input, FileKind::points);
     check_plot_outputs(flags.outputs);
     std::string summary;
@@ -259,8 +260,8 @@ ExitCode from_plot(Run& run, const GivenOptions& given, const ExtractFlags& flag
 }
 
 /// Returns the kind of the input; throws for a skeleton.
-FileKind kind_to_extract(const ExtractFlags& flags) {
-    const FileKind kind = kind_of_input(flags.input);
+FileKind kind_to_extract(const Run& run, const ExtractFlags& flags) {
+    const FileKind kind = kind_of_input(run, flags.input);
     if (kind != FileKind::skeleton) return kind;
     throw UsageError(fmt::format("'{}' is a skeleton already; a mesh or a cloud of points is needed",
                                  flags.input.string()));
@@ -270,9 +271,9 @@ FileKind kind_to_extract(const ExtractFlags& flags) {
 Extracted extract_skeleton(Run& run, const ExtractFlags& flags, FileKind kind, std::string& summary) {
     std::string found;
     Extracted made = kind == FileKind::mesh ? from_mesh(run, flags, found) : from_cloud(run, flags, found);
-    run.stage("write", [&](const Context&) {
-        write_skeleton(flags.outputs.skeleton, made.result.skeleton, flags.outputs.write,
-                       node_attributes(made.result.confidence, kind == FileKind::points));
+    run.stage("write", [&](const Context& ctx) {
+        store_skeleton(run, flags.outputs.skeleton, made.result.skeleton, flags.outputs.write,
+                       node_attributes(made.result.confidence, kind == FileKind::points), ctx);
     });
     fill_report(run, made.result);
     summary = fmt::format("{}: {} nodes in {} trees{}", flags.outputs.skeleton.string(),
@@ -307,7 +308,7 @@ ExitCode extract_of_batch(Run& run, const ExtractFlags& flags, const BatchFile& 
     std::optional<Extracted> made;
     FileKind kind = FileKind::points;
     const std::string trouble = find_trouble(file, [&] {
-        kind = kind_to_extract(flags);
+        kind = kind_to_extract(run, flags);
         std::string summary;
         made = extract_skeleton(run, flags, kind, summary);
         then_mesh(run, flags.outputs.mesh, made->result.skeleton, flags.outputs.surface);
@@ -328,7 +329,7 @@ ExitCode extract_plot_of_batch(Run& run, const ExtractFlags& flags, const BatchF
                                BatchTable& table) {
     std::optional<WrittenPlot> made;
     const std::string trouble = find_trouble(file, [&] {
-        if (kind_to_extract(flags) == FileKind::mesh)
+        if (kind_to_extract(run, flags) == FileKind::mesh)
             throw InvalidInput(
                 fmt::format("{}: it is a mesh; a plot must be a cloud of points", flags.input.string()));
         std::string summary;
@@ -411,7 +412,7 @@ ExitCode extract(Run& run, const GivenOptions& given, ExtractFlags& flags) {
         throw UsageError("name both files: coppice extract FILE -o SKELETON");
     check_tree_outputs(flags.outputs);
     flags.from_cloud.root = flags.from_mesh.root;
-    const FileKind kind = kind_to_extract(flags);
+    const FileKind kind = kind_to_extract(run, flags);
     check_groups(given, flags.input, kind);
     check_ground(given, flags);
     std::string summary;

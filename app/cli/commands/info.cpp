@@ -18,7 +18,6 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
-#include "streams.h"
 #include "sums.h"
 #include "timber.h"
 #include "tree_row.h"
@@ -313,7 +312,7 @@ ExitCode info_of_stems(Run& run, const InfoFlags& flags, FileKind kind) {
             return forestry(std::move(figures), trees, flags.json);
         });
     }
-    print(text);
+    run.print(text);
     run.finish(flags.file.string() + " read");
     return kDone;
 }
@@ -323,7 +322,7 @@ ExitCode info(Run& run, const InfoFlags& flags) {
     if (!flags.forestry && flags.timber.any()) throw UsageError("timber and biomass require --forestry");
     (void)flags.timber.tops();  // so that errors are reported before any work
     Json figures;
-    const FileKind kind = kind_of_input(flags.file, flags.read.format);
+    const FileKind kind = kind_of_input(run, flags.file, flags.read.format);
     if (flags.forestry) return info_of_stems(run, flags, kind);
     if (kind == FileKind::skeleton) {
         const SkeletonFile file = load_skeleton(run, flags.file, flags.read);
@@ -341,7 +340,7 @@ ExitCode info(Run& run, const InfoFlags& flags) {
         const PolygonMesh mesh = load_mesh(run, flags.file, flags.read.up);
         figures = run.stage("measure", [&](const Context& ctx) { return describe(mesh, ctx); });
     }
-    print(flags.json ? figures_json(figures) : figures_text(figures));
+    run.print(flags.json ? figures_json(figures) : figures_text(figures));
     run.finish(flags.file.string() + " read");
     return kDone;
 }

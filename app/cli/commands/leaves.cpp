@@ -15,7 +15,7 @@
 #include "leaf_pictures.h"
 #include "options.h"
 #include "pictures.h"
-#include "streams.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -49,7 +49,7 @@ ExitCode list_species(Run& run) {
             s.title);
         figures.push_back({{"species", s.name}, {"description", s.title}});
     }
-    print(text);
+    run.print(text);
     run.counts()["species"] = figures;
     run.finish(fmt::format("{} species", leaf_species().size()));
     return kDone;
@@ -87,7 +87,7 @@ void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, cons
     MeshWriteOptions write = flags.write;
     write.parts = leaves.parts(flags.storage);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_surface(output, wood, write, ctx);
+        for (const auto& output : flags.outputs) store_surface(run, output, wood, write, ctx);
     });
 }
 

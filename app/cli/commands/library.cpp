@@ -12,7 +12,6 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -123,7 +122,7 @@ ExitCode list(Run& run, const LibraryFlags& flags) {
     const std::vector<LibraryEntry> entries = run.stage("read", [&](const Context& ctx) {
         return TreeLibrary(flags.library, LibraryAccess::read, ctx).list(flags.which);
     });
-    print(make_table(entries));
+    run.print(make_table(entries));
     Json figures = Json::array();
     for (const LibraryEntry& e : entries) figures.push_back(compute_figures(e));
     run.counts().update({{"trees", entries.size()}, {"entries", figures}});

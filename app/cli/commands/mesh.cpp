@@ -19,6 +19,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -197,7 +198,7 @@ PointSet points_of_mesh(const PolygonMesh& mesh, bool edges) {
 
 PointSet load_constraints(Run& run, const MeshFlags& flags) {
     if (flags.constraints.empty()) return {};
-    if (kind_of_input(flags.constraints) == FileKind::mesh)
+    if (kind_of_input(run, flags.constraints) == FileKind::mesh)
         return points_of_mesh(load_mesh(run, flags.constraints, flags.read.up), flags.constraint_edges);
     if (flags.constraint_edges)
         throw UsageError(
@@ -271,13 +272,13 @@ ExitCode mesh(Run& run, const GivenOptions& given, MeshFlags flags) {
     const Skeleton& drawn = made.drawn ? *made.drawn : file.skeleton;
     if (!flags.heights.empty()) moved += displace(run, flags, heights, drawn, result);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_surface(output, result, write, ctx);
+        for (const auto& output : flags.outputs) store_surface(run, output, result, write, ctx);
         if (!flags.volume.empty()) write_solid(flags.volume, result.tetrahedra().solid, ctx);
         if (!flags.cage.empty()) write_cage(flags.cage, result.quads().cage.cage, ctx);
     });
     if (result.weights) run.counts().update(compute_figures(*result.weights));
-    const Verdict verdict =
-        flags.original.empty() ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
+    const bool is_judged = flags.original.empty() && (flags.strict || !is_held_only(run, flags.outputs));
+    const Verdict verdict = is_judged ? judge(run, result, drawn, flags.mesh.control) : Verdict{};
     const std::string figures = count_surface(run, result);
     warn_of_lost_materials(run, flags.materials, flags.outputs);
     run.finish(fmt::format("{}: {} nodes, {} repaired; {}{}{}{}", flags.skeleton.string(),

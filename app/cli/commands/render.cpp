@@ -21,6 +21,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -304,7 +305,7 @@ ExitCode render_file(Run& run, const RenderFlags& flags) {
                             .view = backdrop.view ? &*backdrop.view : nullptr};
     Image image = run.stage("render", [&](const Context& ctx) { return render(scene, options, ctx); });
     if (backdrop.photograph) image = overlay(*backdrop.photograph, image, flags.opacity);
-    run.stage("write", [&](const Context&) { write_picture(flags.output, image); });
+    run.stage("write", [&](const Context&) { store_picture(run, flags.output, image); });
     run.counts()["pixels"] = image.pixels.size();
     run.finish(fmt::format("{}: {} x {} pixels", flags.output.string(), image.width, image.height));
     return kDone;

@@ -7,6 +7,7 @@
 #include "coppice/mesh/topology.h"
 #include "files.h"
 #include "options.h"
+#include "results.h"
 
 namespace coppice::cli {
 namespace {
@@ -25,7 +26,9 @@ ExitCode scan_file(Run& run, const ScanFlags& flags) {
         validate(mesh);
         return scan(mesh, flags.scan, ctx);
     });
-    run.stage("write", [&](const Context& ctx) { write_points(flags.output, points, ctx); });
+    run.stage("write", [&](const Context& ctx) {
+        store_points(run, flags.output, PointCloud{points, {}, {}}, {}, ctx);
+    });
     run.counts()["points"] = points.size();
     run.finish(fmt::format("{}: {} points", flags.output.string(), grouped(points.size())));
     return kDone;

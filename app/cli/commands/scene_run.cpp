@@ -8,8 +8,8 @@
 #include "coppice/scene/save.h"
 #include "files.h"
 #include "options.h"
+#include "results.h"
 #include "scene_files.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -22,7 +22,7 @@ struct RunFlags {
 
 ExitCode run_scenes(Run& run, const RunFlags& flags) {
     if (flags.reference) {
-        print(scene_reference());
+        run.print(scene_reference());
         run.finish("reference printed");
         return kDone;
     }
@@ -39,7 +39,8 @@ ExitCode run_scenes(Run& run, const RunFlags& flags) {
         std::vector<ObjectPtr> objects;
         for (const auto& output : flags.outputs)
             objects.push_back(object_for_file(scene.state(), {}, output));
-        for (std::size_t i = 0; i < objects.size(); ++i) save_object(*objects[i], flags.outputs[i], ctx);
+        for (std::size_t i = 0; i < objects.size(); ++i)
+            store_object(run, flags.outputs[i], *objects[i], InstanceStorage::instanced, ctx);
     });
     count_objects(run, scene);
     run.finish(fmt::format("{}: {} objects", flags.scenes.back().string(), scene.state().objects.size()));
@@ -73,7 +74,8 @@ ExitCode grow_scene(Run& run, const GrowFlags& flags) {
     const auto grown = scene.state().objects.find({ObjectKind::skeleton, scene.state().last_grown});
     if (grown == scene.state().objects.end()) refuse_without_tree(flags.scene);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) save_object(*grown->second, output, ctx);
+        for (const auto& output : flags.outputs)
+            store_object(run, output, *grown->second, InstanceStorage::instanced, ctx);
     });
     const Skeleton& tree = std::get<Skeleton>(grown->second->value);
     run.count_skeleton(tree);

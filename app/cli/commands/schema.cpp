@@ -27,7 +27,6 @@
 #include "coppice/sketch/reconstruct.h"
 #include "coppice/texture/bark.h"
 #include "coppice/view/view_options.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -63,16 +62,17 @@ Json list_options(const Command& command) {
         if (!option.letter.empty()) entry["letter"] = option.letter;
         if (!option.field.empty()) entry["field"] = option.field;
         if (!option.group.empty()) entry["group"] = option.group;
+        if (option.is_output) entry["output"] = true;
         std::visit(DescribeTarget{entry, option}, option.target);
         out.push_back(std::move(entry));
     }
     return out;
 }
 
-ExitCode schema(Run& run) {
+ExitCode schema(Run& run, std::vector<Command> list) {
     CommonFlags common;
     Json commands = Json::object();
-    for (const Command& command : all_commands(common))
+    for (const Command& command : with_common_options(std::move(list), common))
         commands[command.name] = {{"help", command.help}, {"options", list_options(command)}};
     const Json all{{"mesh", described<MeshOptions>()},
                    {"restore", described<RestoreOptions>()},
@@ -99,18 +99,18 @@ ExitCode schema(Run& run) {
                    {"write_skeleton", described<WriteSkeletonOptions>()},
                    {"scene", scene_schema()},
                    {"commands", std::move(commands)}};
-    print(all.dump(2) + "\n");
+    run.print(all.dump(2) + "\n");
     run.finish("schema printed");
     return kDone;
 }
 
 }  // namespace
 
-Command schema_command() {
+Command schema_command(std::function<std::vector<Command>()> list) {
     return {"schema",
             "Print every option with its type, unit, range and default as JSON.",
             {},
-            [](Run& run, const GivenOptions&) { return schema(run); }};
+            [list = std::move(list)](Run& run, const GivenOptions&) { return schema(run, list()); }};
 }
 
 }  // namespace coppice::cli

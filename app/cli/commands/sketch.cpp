@@ -15,6 +15,7 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
+#include "results.h"
 
 namespace coppice::cli {
 namespace {
@@ -117,7 +118,7 @@ ExitCode make_skeleton(Run& run, const SketchFlags& flags) {
         return reconstruct(sketch, flags.sketch, flags.input.string(), ctx);
     });
     run.stage("write", [&](const Context& ctx) {
-        write_skeleton(flags.output, result.skeleton, flags.write, {}, ctx);
+        store_skeleton(run, flags.output, result.skeleton, flags.write, {}, ctx);
     });
     const double error = fill_report(run, sketch, result);
     run.finish(fmt::format("{}: {} nodes of {} branches, at most {:.1f} pixels from a stroke",

@@ -14,6 +14,7 @@
 #include "files.h"
 #include "memory.h"
 #include "options.h"
+#include "results.h"
 #include "scene_files.h"
 #include "surfaces.h"
 
@@ -79,7 +80,7 @@ ExitCode sprout_trees(Run& run, const SproutFlags& flags, const GivenOptions& gi
     const Skeleton tree =
         run.stage("radii", [&](const Context&) { return with_pipe_radii(grown.skeleton, flags.radii); });
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) write_skeleton(output, tree, {}, {}, ctx);
+        for (const auto& output : flags.outputs) store_skeleton(run, output, tree, {}, {}, ctx);
     });
     const std::string surface = then_mesh(run, flags.mesh_output, tree, flags.mesh);
     if (grown.full) run.warn(fmt::format("growth stopped at --max-nodes, in season {}", grown.seasons));

@@ -21,7 +21,6 @@
 #include "figures.h"
 #include "files.h"
 #include "options.h"
-#include "streams.h"
 #include "sums.h"
 #include "timber.h"
 #include "tree_tables.h"
@@ -187,7 +186,7 @@ void describe(Run& run, Json& row, const PolygonMesh& mesh) {
 /// Adds the rows of a file: one for each of its models.
 void add_rows(Run& run, std::vector<Json>& rows, TreeTables& parts, const fs::path& path,
               const TableFlags& flags, std::span<const double> limits) {
-    const FileKind kind = kind_of_input(path, flags.read.format);
+    const FileKind kind = kind_of_input(run, path, flags.read.format);
     rows.back()["kind"] = name_of(kind);
     if (kind == FileKind::points) {
         const PointSet points = load_points(run, path, flags.read.up, flags.read_points);
@@ -250,8 +249,8 @@ std::string to_csv(const std::vector<Json>& rows) {
     return out;
 }
 
-void write_rows(const fs::path& path, const std::vector<Json>& rows) {
-    if (path.empty()) return print(to_csv(rows));
+void write_rows(Run& run, const fs::path& path, const std::vector<Json>& rows) {
+    if (path.empty()) return run.print(to_csv(rows));
     if (path.extension() == ".csv") return write_file(path, to_csv(rows));
     write_file(path, figures_json({{"files", rows}}));
 }
@@ -269,7 +268,7 @@ ExitCode table(Run& run, const TableFlags& flags) {
     const auto failed = static_cast<std::uint64_t>(
         std::ranges::count_if(rows, [](const Json& row) { return row.contains("error"); }));
     if (flags.wants_rows()) {
-        write_rows(flags.output, rows);
+        write_rows(run, flags.output, rows);
         written += fmt::format("{}{}: {} rows, {} of them with an error", written.empty() ? "" : "; ",
                                flags.output.empty() ? "table" : flags.output.string(), grouped(rows.size()),
                                grouped(failed));

@@ -15,7 +15,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
-#include "streams.h"
+#include "results.h"
 
 namespace coppice::cli {
 namespace {
@@ -51,7 +51,7 @@ ExitCode list_species(Run& run) {
                             1e3 * double{o.ring_width}, species.title);
         figures.push_back({{"species", species.name}, {"kind", "cut"}, {"description", species.title}});
     }
-    print(text);
+    run.print(text);
     run.counts()["species"] = figures;
     run.finish(
         fmt::format("{} species of bark, {} of cut wood", bark_species().size(), cut_species().size()));
@@ -147,7 +147,7 @@ ExitCode make_textures(Run& run, const TextureFlags& flags, const GivenOptions& 
             return is_cut ? draw_cut(maps, flags.picture_width, ctx)
                           : draw_bark(maps, bark.diameter, flags.picture_width, ctx);
         });
-        run.stage("write picture", [&](const Context&) { write_picture(flags.picture, picture); });
+        run.stage("write picture", [&](const Context&) { store_picture(run, flags.picture, picture); });
     }
     run.counts().update({{"width", maps.width},
                          {"height", maps.height},

@@ -14,8 +14,8 @@
 #include "files.h"
 #include "leaf_pictures.h"
 #include "pictures.h"
+#include "results.h"
 #include "scene_files.h"
-#include "streams.h"
 
 namespace coppice::cli {
 namespace {
@@ -133,7 +133,7 @@ ExitCode make_tree(Run& run, TreeFlags flags, const GivenOptions& given) {
     const MadeTree tree = find_tree(scene, file);
     run.stage("write", [&](const Context& ctx) {
         for (const auto& output : flags.outputs)
-            save_object(*object_for_file(scene.state(), {}, output), output, flags.storage, ctx);
+            store_object(run, output, *object_for_file(scene.state(), {}, output), flags.storage, ctx);
     });
     if (!flags.image.empty()) write_image(run, flags, *tree.surface);
     run.finish(fmt::format("{}: {}", flags.species.string(), describe(run, tree)));
@@ -144,7 +144,7 @@ ExitCode list_species(Run& run, const std::filesystem::path& name) {
     if (!name.empty()) {
         const auto found = find_tree_species(name.string());
         if (!found) refuse_species(name.string());
-        print(std::string(found->scene));
+        run.print(std::string(found->scene));
         run.finish(fmt::format("{} printed", name.string()));
         return kDone;
     }
@@ -154,7 +154,7 @@ ExitCode list_species(Run& run, const std::filesystem::path& name) {
         text += fmt::format("{:<16} {}\n", species.name, species.title);
         figures.push_back({{"species", species.name}, {"description", species.title}});
     }
-    print(text);
+    run.print(text);
     run.counts()["species"] = figures;
     run.finish(fmt::format("{} species", tree_species().size()));
     return kDone;

@@ -6,6 +6,7 @@
 #include "files.h"
 #include "options.h"
 #include "pictures.h"
+#include "results.h"
 #include "surfaces.h"
 
 namespace coppice::cli {
@@ -27,7 +28,7 @@ ExitCode view(Run& run, const ViewFlags& flags) {
         run.stage("mesh", [&](const Context& ctx) { return mesh_skeleton(file.skeleton, flags.mesh, ctx); });
     const ViewResult result =
         run.stage("draw", [&](const Context&) { return view_surface(to_polygons(made), flags.view); });
-    run.stage("write", [&](const Context&) { write_picture(flags.output, result.picture); });
+    run.stage("write", [&](const Context&) { store_picture(run, flags.output, result.picture); });
     tell_device(run, made);
     run.counts().update(
         {{"renderer", result.renderer}, {"opengl", result.opengl}, {"pixels", result.picture.pixels.size()}});
