@@ -31,8 +31,10 @@ from ._errors import FileError as FileError
 from ._errors import InputError as InputError
 from ._errors import UsageError as UsageError
 from ._objects import Image as Image
+from ._objects import Instances as Instances
 from ._objects import Object as Object
 from ._objects import Points as Points
+from ._objects import Prototype as Prototype
 from ._objects import Scene as Scene
 from ._objects import Skeleton as Skeleton
 from ._objects import Surface as Surface

@@ -145,6 +145,33 @@ COPPICE_API coppice_status coppice_surface_get(const coppice_object* surface, co
 /** Computes the unit normals of the vertices of a surface, weighted by area, into three numbers for each. */
 COPPICE_API coppice_status coppice_surface_normals(const coppice_object* surface, float* normals);
 
+/** The placed copies of meshes in addition to a surface, such as leaves; the arrays belong to the surface. */
+typedef struct coppice_instances_arrays {
+    size_t count;               /**< number of copies; 0 without leaves */
+    const uint32_t* prototypes; /**< mesh of each copy */
+    const float* positions; /**< [m] three coordinates of the point of attachment, relative to the origin */
+    const float* rotations; /**< unit quaternions x, y, z, w from the frame of the mesh to that of the tree */
+    const float* scales;    /**< > 0 */
+    const uint8_t* colors;  /**< sRGB of each copy, multiplied with the colour of the mesh */
+    double origin[3];       /**< [m] */
+    size_t prototype_count; /**< number of meshes, see coppice_prototype_get() */
+} coppice_instances_arrays;
+/** Gets the placed copies of a surface, as made by tree and leaves. */
+COPPICE_API coppice_status coppice_instances_get(const coppice_object* surface,
+                                                 coppice_instances_arrays* arrays);
+
+/** A mesh that is placed many times. Its origin is the point of attachment, its length extends along +y. */
+typedef struct coppice_prototype {
+    const char* name;     /**< such as "leaf_1"; belongs to the surface */
+    coppice_object* mesh; /**< triangles with texture coordinates; the caller deletes it */
+    float color[3];       /**< linear colour, multiplied with that of the image */
+    const char* image;    /**< the image as PNG, which belongs to the surface; null if there is none */
+    size_t image_size;    /**< number of bytes of the image */
+} coppice_prototype;
+/** Gets a mesh of the copies. Returns COPPICE_WRONG_USAGE if the index is not less than their number. */
+COPPICE_API coppice_status coppice_prototype_get(const coppice_object* surface, size_t index,
+                                                 coppice_prototype* prototype);
+
 /** The arrays of points, which belong to the object. */
 typedef struct coppice_points_arrays {
     size_t count;             /**< number of points */

@@ -24,6 +24,7 @@ using coppice::cli::HeldSurface;
 static_assert(sizeof(Vec3) == 3 * sizeof(float));
 static_assert(sizeof(coppice::NodeId) == sizeof(std::int32_t));
 static_assert(sizeof(coppice::TexturePoint) == 2 * sizeof(float));
+static_assert(sizeof(coppice::Quaternion) == 4 * sizeof(float));
 static_assert(sizeof(coppice::Quad) == 4 * sizeof(std::uint32_t));
 
 namespace {
@@ -228,6 +229,50 @@ coppice_status coppice_surface_normals(const coppice_object* surface, float* nor
         [&] {
             const auto all = std::visit([](const auto& mesh) { return normals_of(mesh); }, held->mesh);
             std::copy_n(numbers(all.data()), 3 * all.size(), normals);
+            return coppice::cli::kDone;
+        },
+        [](const char*) {}));
+}
+
+coppice_status coppice_instances_get(const coppice_object* surface, coppice_instances_arrays* arrays) {
+    const auto* held = find<HeldSurface>(surface);
+    if (held == nullptr) return COPPICE_WRONG_USAGE;
+    *arrays = {};
+    if (!held->leaves) return COPPICE_OK;
+    const coppice::Instances& instances = held->leaves->tree.foliage.instances;
+    arrays->count = instances.size();
+    arrays->prototypes = data_or_null(instances.prototypes);
+    arrays->positions = numbers(data_or_null(instances.positions));
+    arrays->rotations = reinterpret_cast<const float*>(data_or_null(instances.rotations));
+    arrays->scales = data_or_null(instances.scales);
+    arrays->colors = instances.colors.empty() ? nullptr : instances.colors.front().data();
+    copy(instances.origin, arrays->origin);
+    arrays->prototype_count = held->leaves->tree.prototypes.size();
+    return COPPICE_OK;
+}
+
+coppice_status coppice_prototype_get(const coppice_object* surface, size_t index,
+                                     coppice_prototype* prototype) {
+    const auto* held = find<HeldSurface>(surface);
+    if (held == nullptr || !held->leaves || index >= held->leaves->tree.prototypes.size())
+        return COPPICE_WRONG_USAGE;
+    return static_cast<coppice_status>(coppice::cli::catch_errors(
+        [&] {
+            const coppice::Prototype& part = held->leaves->tree.prototypes[index];
+            *prototype = {
+                .name = part.name.c_str(), .mesh = nullptr, .color = {}, .image = nullptr, .image_size = 0};
+            const auto& materials = held->leaves->materials;
+            if (part.material < materials.size()) {
+                const coppice::MaterialFiles& material = materials[part.material];
+                for (int k = 0; k < 3; ++k) prototype->color[k] = material.base_color[k];
+                if (const auto image = material.bytes.find(material.color); image != material.bytes.end()) {
+                    prototype->image = image->second.data();
+                    prototype->image_size = image->second.size();
+                }
+            }
+            HeldSurface mesh{.mesh = part.mesh};
+            mesh.texture.assign(part.texture.begin(), part.texture.end());
+            prototype->mesh = make_object(std::move(mesh));
             return coppice::cli::kDone;
         },
         [](const char*) {}));

@@ -88,6 +88,11 @@ FileKind kind_of_input(const Run& run, const std::filesystem::path& path, Skelet
                     path.string()));
 }
 
+std::shared_ptr<const SurfaceLeaves> find_held_leaves(const Run& run, const std::filesystem::path& path) {
+    const auto surface = find_held<HeldSurface>(run, path);
+    return surface ? surface->leaves : nullptr;
+}
+
 std::shared_ptr<const std::string> find_held_text(const Run& run, const std::filesystem::path& path) {
     const HeldObject* const held = find_held(run, path);
     if (held == nullptr) return nullptr;

@@ -16,6 +16,7 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/points/point_cloud.h"
 #include "coppice/scene/file_kind.h"
+#include "coppice/scene/surface_leaves.h"
 #include "run.h"
 
 namespace coppice::cli {
@@ -25,6 +26,8 @@ namespace coppice::cli {
 FileKind kind_of_input(const Run& run, const std::filesystem::path& path,
                        SkeletonFormat format = SkeletonFormat::automatic);
 
+/// Returns the leaves of a surface in memory; null if it has none, or the name is that of a file.
+std::shared_ptr<const SurfaceLeaves> find_held_leaves(const Run& run, const std::filesystem::path& path);
 /// Returns the text of a name in memory, such as a scene; null if it names a file.
 std::shared_ptr<const std::string> find_held_text(const Run& run, const std::filesystem::path& path);
 

@@ -13,16 +13,18 @@
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
 #include "coppice/mesh/vertex_attribute.h"
+#include "coppice/scene/surface_leaves.h"
 
 namespace coppice::cli {
 
 /// A surface in memory, as a command made it.
 struct HeldSurface {
     std::variant<QuadMesh, TriMesh, PolygonMesh> mesh;
-    Buffer<TexturePoint> texture = {};             ///< one per corner; empty without coordinates
-    Buffer<TextureBlend> blends = {};              ///< the second set; one per corner, or empty
-    std::vector<VertexAttribute> attributes = {};  ///< values of the vertices
-    std::vector<std::uint32_t> slots = {};         ///< MaterialSlot of each face as a number, or empty
+    Buffer<TexturePoint> texture = {};                 ///< one per corner; empty without coordinates
+    Buffer<TextureBlend> blends = {};                  ///< the second set; one per corner, or empty
+    std::vector<VertexAttribute> attributes = {};      ///< values of the vertices
+    std::vector<std::uint32_t> slots = {};             ///< MaterialSlot of each face as a number, or empty
+    std::shared_ptr<const SurfaceLeaves> leaves = {};  ///< null without leaves
 };
 
 /// An immutable object in memory that commands use like a file; the text is that of a scene, or the bytes of

@@ -51,13 +51,15 @@ void store_skeleton(Run& run, const std::filesystem::path& path, const Skeleton&
 }
 
 void store_surface(Run& run, const std::filesystem::path& path, const MeshResult& result,
-                   const MeshWriteOptions& options, const Context& ctx) {
+                   const MeshWriteOptions& options, const Context& ctx,
+                   std::shared_ptr<const SurfaceLeaves> leaves) {
     if (!is_held(run, path)) return write_surface(path, result, options, ctx);
     HeldSurface held{
         .mesh = std::visit([](const auto& surface) -> decltype(HeldSurface::mesh) { return surface.mesh; },
                            result.surface),
         .attributes = result.attributes,
-        .slots = result.slots};
+        .slots = result.slots,
+        .leaves = std::move(leaves)};
     if (const auto* tubes = std::get_if<CylinderMesh>(&result.surface)) held.texture = tubes->texture;
     if (result.texture) {
         held.texture = result.texture->points;
@@ -91,7 +93,8 @@ void store_object(Run& run, const std::filesystem::path& path, const SceneObject
         HeldSurface held{.mesh = surface.mesh,
                          .texture = surface.texture,
                          .blends = surface.texture_blends,
-                         .slots = surface.slots};
+                         .slots = surface.slots,
+                         .leaves = surface.leaves};
         if (const auto* polygons = std::get_if<PolygonMesh>(&surface.mesh);
             polygons != nullptr && held.texture.empty()) {
             held.texture = polygons->texture;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <span>
 
 #include "coppice/io_mesh/instanced_parts.h"
@@ -11,6 +12,7 @@
 #include "coppice/pipeline/mesh_result.h"
 #include "coppice/render/image.h"
 #include "coppice/scene/object.h"
+#include "coppice/scene/surface_leaves.h"
 #include "run.h"
 
 namespace coppice::cli {
@@ -27,9 +29,11 @@ void store_skeleton(Run& run, const std::filesystem::path& path, const Skeleton&
                     const WriteSkeletonOptions& options, std::span<const NodeAttribute> attributes,
                     const Context& ctx);
 
-/// Stores the surface of any method, see write_surface().
+/// Stores the surface of any method, see write_surface(). In memory it has these leaves; files have the parts
+/// of the options.
 void store_surface(Run& run, const std::filesystem::path& path, const MeshResult& result,
-                   const MeshWriteOptions& options, const Context& ctx);
+                   const MeshWriteOptions& options, const Context& ctx,
+                   std::shared_ptr<const SurfaceLeaves> leaves = {});
 
 /// Stores polygons.
 void store_mesh(Run& run, const std::filesystem::path& path, const PolygonMesh& mesh,
@@ -39,7 +43,7 @@ void store_mesh(Run& run, const std::filesystem::path& path, const PolygonMesh& 
 void store_points(Run& run, const std::filesystem::path& path, const PointCloud& point_cloud,
                   const CoordinateSystem& system, const Context& ctx);
 
-/// Stores points, a skeleton or a surface of a scene; a surface in memory has no leaves.
+/// Stores points, a skeleton or a surface of a scene.
 void store_object(Run& run, const std::filesystem::path& path, const SceneObject& object,
                   InstanceStorage storage, const Context& ctx);
 

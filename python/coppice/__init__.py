@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "_commands": ["Figures", "Result", "call"],
     "_errors": ["Cancelled", "Error", "FileError", "InputError", "UsageError"],
-    "_objects": ["Image", "Object", "Points", "Scene", "Skeleton", "Surface"],
+    "_objects": ["Image", "Instances", "Object", "Points", "Prototype", "Scene", "Skeleton", "Surface"],
     "_task": ["Progress", "run_words"],
 }
 _NAMES = {name: module for module, names in _MODULES.items() for name in names}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
-from ctypes import POINTER, c_char_p, c_double, c_float, c_int, c_int32, c_int64, c_size_t, c_uint8, c_uint32, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int, c_size_t, c_void_p
 from typing import Any, Optional
 
 OK = 0
@@ -61,6 +61,29 @@ class PointsArrays(ctypes.Structure):
     ]
 
 
+class InstancesArrays(ctypes.Structure):
+    _fields_ = [
+        ("count", c_size_t),
+        ("prototypes", c_void_p),
+        ("positions", c_void_p),
+        ("rotations", c_void_p),
+        ("scales", c_void_p),
+        ("colors", c_void_p),
+        ("origin", c_double * 3),
+        ("prototype_count", c_size_t),
+    ]
+
+
+class Prototype(ctypes.Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("mesh", c_void_p),
+        ("color", c_float * 3),
+        ("image", c_void_p),
+        ("image_size", c_size_t),
+    ]
+
+
 class Nodes(ctypes.Structure):
     _fields_ = [
         ("count", c_size_t),
@@ -99,6 +122,8 @@ _FUNCTIONS = {
     "skeleton_get": (c_int, [c_void_p, POINTER(SkeletonArrays)]),
     "surface_get": (c_int, [c_void_p, POINTER(SurfaceArrays)]),
     "surface_normals": (c_int, [c_void_p, c_void_p]),
+    "instances_get": (c_int, [c_void_p, POINTER(InstancesArrays)]),
+    "prototype_get": (c_int, [c_void_p, c_size_t, POINTER(Prototype)]),
     "points_get": (c_int, [c_void_p, POINTER(PointsArrays)]),
     "bytes_get": (c_int, [c_void_p, POINTER(c_void_p), POINTER(c_size_t)]),
     "attribute_count": (c_size_t, [c_void_p]),

@@ -331,6 +331,13 @@ class Surface(Object):
         """Values of the vertices by name, as made by mesh(..., attributes=True), without a copy."""
         return self._attribute_views(self._arrays.vertex_count)
 
+    @property
+    def instances(self) -> Optional[Instances]:
+        """Leaves of the surface, as made by tree() and leaves(); None if there are none."""
+        arrays = c.InstancesArrays()
+        c.library().instances_get(self._handle.address, ctypes.byref(arrays))
+        return Instances(self._handle, arrays) if arrays.count > 0 else None
+
     def normals(self) -> "np.ndarray":
         """Computes the unit normals of the vertices, (n, 3), weighted by area."""
         import numpy
@@ -394,6 +401,53 @@ class Surface(Object):
         from ._commands import call
 
         return bytes(call("render", self, width=480, height=480, samples=16, progress=False))
+
+
+class Prototype:
+    """A mesh that is placed many times, such as a leaf: its origin is the point of attachment, its length extends
+    along +y, and its upper side faces +z."""
+
+    def __init__(self, surface: c.Handle, index: int) -> None:
+        made = c.Prototype()
+        Task().check(c.library().prototype_get(surface.address, index, ctypes.byref(made)))
+        #: Name for files, such as "leaf_1".
+        self.name = str(made.name.decode())
+        #: Triangles with texture coordinates.
+        self.surface = Surface(c.Handle(made.mesh))
+        #: Linear colour, multiplied with that of the image.
+        self.color: Tuple[float, float, float] = tuple(made.color)
+        #: The image as PNG; None if there is none.
+        self.image: Optional[bytes] = ctypes.string_at(made.image, made.image_size) if made.image else None
+
+    def __repr__(self) -> str:
+        return "<coppice.Prototype: %s, %d faces>" % (self.name, len(self.surface))
+
+
+class Instances:
+    """The placed copies of a surface, such as leaves, without a copy of their arrays."""
+
+    def __init__(self, surface: c.Handle, arrays: c.InstancesArrays) -> None:
+        count = arrays.count
+        #: The meshes that are placed.
+        self.prototypes: List[Prototype] = [Prototype(surface, i) for i in range(arrays.prototype_count)]
+        #: Index of the mesh of each copy, (n,).
+        self.indices: "np.ndarray" = c.view(surface, arrays.prototypes, (count,), "<u4")
+        #: Positions of the points of attachment relative to the origin, (n, 3).
+        self.positions: "np.ndarray" = c.view(surface, arrays.positions, (count, 3), "<f4")
+        #: Unit quaternions x, y, z, w, (n, 4).
+        self.rotations: "np.ndarray" = c.view(surface, arrays.rotations, (count, 4), "<f4")
+        #: Scales, (n,).
+        self.scales: "np.ndarray" = c.view(surface, arrays.scales, (count,), "<f4")
+        #: Colours in sRGB, (n, 3), multiplied with that of the mesh.
+        self.colors: "np.ndarray" = c.view(surface, arrays.colors, (count, 3), "|u1")
+        #: Added to the positions.
+        self.origin: Tuple[float, float, float] = tuple(arrays.origin)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __repr__(self) -> str:
+        return "<coppice.Instances: %d copies of %d meshes>" % (len(self), len(self.prototypes))
 
 
 class Points(Object):

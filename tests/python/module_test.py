@@ -98,6 +98,24 @@ class Arrays(unittest.TestCase):
         np.testing.assert_allclose(again.normals(), surface.normals(), atol=0.2)
         self.assertTrue(coppice.check(again, skeleton=make_fork()).passed)
 
+    def test_leaves(self):
+        tree = coppice.Skeleton.from_arrays(*FORK)
+        surface = coppice.leaves(tree, species="oak", max_radius=1)
+        leaves = surface.instances
+        self.assertGreater(len(leaves), 10)
+        self.assertEqual(leaves.rotations.shape, (len(leaves), 4))
+        np.testing.assert_allclose(np.linalg.norm(leaves.rotations, axis=1), 1, atol=1e-3)
+        self.assertLess(leaves.indices.max(), len(leaves.prototypes))
+        part = leaves.prototypes[0]
+        self.assertEqual(part.surface.uv.shape[1], 2)
+        self.assertGreater(len(part.surface), 0)
+        self.assertIsNone(coppice.mesh(tree, levels=1).instances)
+        with tempfile.TemporaryDirectory() as folder:
+            bare, full = os.path.join(folder, "bare.obj"), os.path.join(folder, "full.obj")
+            surface.write(full)
+            coppice.mesh(tree).write(bare)
+            self.assertGreater(os.path.getsize(full), os.path.getsize(bare))
+
     def test_points(self):
         points = coppice.scan(coppice.mesh(make_fork(), levels=2))
         self.assertEqual(points.positions.shape, (len(points), 3))

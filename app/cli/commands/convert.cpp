@@ -72,6 +72,8 @@ ExitCode convert(Run& run, const ConvertFlags& flags) {
             options.texture = mesh.texture;
             options.texture_blends = mesh.texture_blends;
         }
+        const auto leaves = find_held_leaves(run, flags.input);
+        if (leaves) options.parts = leaves->parts();
         run.stage("write", [&](const Context& ctx) { store_mesh(run, flags.output, mesh, options, ctx); });
         subject = grouped(mesh.face_count()) + " faces";
     }

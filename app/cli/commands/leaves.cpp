@@ -83,11 +83,12 @@ void write_image(Run& run, const LeavesFlags& flags, const MeshResult& wood, con
     write_leafed_picture(run, flags.image, mesh, bark, &leaves, flags.render);
 }
 
-void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood, const SurfaceLeaves& leaves) {
+void write_tree(Run& run, const LeavesFlags& flags, const MeshResult& wood,
+                const std::shared_ptr<const SurfaceLeaves>& leaves) {
     MeshWriteOptions write = flags.write;
-    write.parts = leaves.parts(flags.storage);
+    write.parts = leaves->parts(flags.storage);
     run.stage("write", [&](const Context& ctx) {
-        for (const auto& output : flags.outputs) store_surface(run, output, wood, write, ctx);
+        for (const auto& output : flags.outputs) store_surface(run, output, wood, write, ctx, leaves);
     });
 }
 
@@ -115,11 +116,12 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
         moved = use_tile_of_image(run, given, flags.write.materials.front().color, mesh.texture);
     }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
-    const SurfaceLeaves leaves = run.stage("leaves", [&](const Context& ctx) {
-        return make_surface_leaves(file.skeleton, species, flags.branchlets, flags.models, ctx);
+    const auto leaves = run.stage("leaves", [&](const Context& ctx) {
+        return std::make_shared<const SurfaceLeaves>(
+            make_surface_leaves(file.skeleton, species, flags.branchlets, flags.models, ctx));
     });
-    const std::string summary = count_leaves(run, leaves);
-    if (leaves.tree.foliage.report.leaves == 0) {
+    const std::string summary = count_leaves(run, *leaves);
+    if (leaves->tree.foliage.report.leaves == 0) {
         run.warn(fmt::format("the tree has no leaves in {}; change --season, --max-radius or --min-order",
                              name_of(species.rules.season)));
     }
@@ -128,7 +130,7 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
     run.add_stages("mesh: ", wood.stages);
     if (!flags.outputs.empty()) write_tree(run, flags, wood, leaves);
     warn_of_lost_materials(run, flags.materials, flags.outputs);
-    if (!flags.image.empty()) write_image(run, flags, wood, leaves);
+    if (!flags.image.empty()) write_image(run, flags, wood, *leaves);
     const Verdict verdict = judge(run, wood, file.skeleton, mesh.control);
     run.finish(fmt::format("{}: {}; {}{}{}", flags.skeleton.string(), summary, count_surface(run, wood),
                            verdict.text, moved));
