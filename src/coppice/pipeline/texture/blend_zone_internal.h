@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <limits>
 #include <vector>
 
@@ -18,9 +19,10 @@ class BlendZone {
 
     /// Continues the coordinates of the stem at the rim of a lateral to its inside; nothing if the rim does
     /// not run around its mean. The rim is at `v` in the coordinates of the lateral. Around it, `rim` has the
-    /// coordinates of the stem at equal turns, the first again at the end. `density` is the number of tiles
-    /// per metre of the lateral, relative to that of the stem.
-    void set_rim(float v, std::vector<TexturePoint> rim, float density);
+    /// coordinates of the stem at equal turns, the first again at the end. The coordinates are
+    /// harmonic on the lateral: a wave with k periods around it decreases by exp(-k s / r) at a distance s
+    /// along it with the radius r.
+    void set_rim(float v, std::vector<TexturePoint> rim);
     /// Ends the zone at `v`, where other coordinates begin.
     void end_at(float v) { max_v_ = v; }
 
@@ -28,16 +30,23 @@ class BlendZone {
     /// second set is continuous where the first is.
     TextureBlend at(TexturePoint first) const;
 
+    /// A wave around a rim, as complex numbers u + i v.
+    struct Wave {
+        std::complex<float> forward, backward;  ///< amplitudes counter-clockwise and clockwise
+    };
+
   private:
-    TexturePoint rim_at(float turns) const;
+    using Complex = std::complex<float>;
+    TexturePoint sum_waves(float turns, float decay) const;
+    TexturePoint rest_at(float turns) const;
 
     float begin_;
     float max_v_ = std::numeric_limits<float>::infinity();
-    float wraps_;                    // around the branch
-    float ratio_;                    // at a ring: of the number of wraps before it to that after it
-    std::vector<TexturePoint> rim_;  // empty at a ring
+    float wraps_;  // around the branch
+    float ratio_;  // at a ring: of the number of wraps before it to that after it
     TexturePoint center_;
-    float density_ = 1;
+    std::vector<Wave> waves_;         // of the rim, by their number of periods; empty at a ring
+    std::vector<TexturePoint> rest_;  // of the rim, at equal turns
 };
 
 }  // namespace coppice::pipeline_internal

@@ -41,8 +41,7 @@ void TubeTexture::set_rim(NodeId node, NodeId lateral, std::span<const Collar> c
     if (own.zone == kNoIndex || own.axis == at(node).axis) return;
     std::vector<TexturePoint> rim = find_rim(node, lateral, collars);
     if (rim.empty()) return;
-    const float v = patch_[find_base(lateral, 0, collars)].v[0];
-    zones_[own.zone].set_rim(v, std::move(rim), tiles_per_metre(own) / tiles_per_metre(at(node)));
+    zones_[own.zone].set_rim(patch_[find_base(lateral, 0, collars)].v[0], std::move(rim));
 }
 
 // Returns the coordinates of the stem around the rim of a lateral, from column 0 to itself. Sides at which it

@@ -213,13 +213,13 @@ void TubeTexture::set_forks(NodeId node) {
         if (!set_stem_face(f, node)) find_collar(f, node, collars);
     }
     for (const Collar& c : collars) {
-        float length = 0, count = 0;
+        float along = 0, around = 0;
         for (const Collar& other : collars) {
             if (other.lateral != c.lateral) continue;
-            length += patch_length(other.cage_quad);
-            ++count;
+            along += column_length(other.cage_quad);
+            around += row_length(other.cage_quad) * static_cast<float>(sides_);
         }
-        set_collar(c, length / count);
+        set_collar(c, around > 0 ? along / around : 0);
     }
     if (!options_.blend) return;
     tube_rows_.for_each_tube_at(node, [&](NodeId tube) {
@@ -253,9 +253,10 @@ void TubeTexture::find_collar(std::uint32_t cage_quad, NodeId node, std::vector<
     });
 }
 
+// `length`: of the collar, in its circumferences.
 void TubeTexture::set_collar(const Collar& c, float length) {
     const Tube& own = at(c.lateral);
-    const float rise = static_cast<float>(own.wraps) * length / std::max(own.circumference, 1e-30f);
+    const float rise = static_cast<float>(own.wraps) * length;
     const auto column = static_cast<float>((own.column + c.edge) % sides_);
     const float left = ring_v(c.lateral, c.end, c.edge), right = ring_v(c.lateral, c.end, c.edge + 1);
     if (c.end == 0) {
@@ -285,7 +286,7 @@ void TubeTexture::set_rectangle(std::uint32_t cage_quad, NodeId tube, int end, s
 }
 
 // [m] Returns the mean length of the columns of a cage quad.
-float TubeTexture::patch_length(std::uint32_t cage_quad) const {
+float TubeTexture::column_length(std::uint32_t cage_quad) const {
     float sum = 0;
     for (const std::uint32_t column : {0u, size_}) {
         for (std::uint32_t row = 0; row < size_; ++row) {
@@ -294,6 +295,18 @@ float TubeTexture::patch_length(std::uint32_t cage_quad) const {
         }
     }
     return sum / 2;
+}
+
+// [m] Returns the mean length of the rows of a cage quad.
+float TubeTexture::row_length(std::uint32_t cage_quad) const {
+    float sum = 0;
+    for (std::uint32_t row = 0; row <= size_; ++row) {
+        for (std::uint32_t column = 0; column < size_; ++column) {
+            sum += distance(position(vertex(cage_quad, column, row)),
+                            position(vertex(cage_quad, column + 1, row)));
+        }
+    }
+    return sum / static_cast<float>(size_ + 1);
 }
 
 }  // namespace coppice::pipeline_internal

@@ -137,7 +137,8 @@ class TubeTexture {
     TexturePoint point_on_side(const Side& side, std::uint32_t step) const;
     void set_rectangle(std::uint32_t cage_quad, NodeId tube, int end, std::array<float, 2> columns,
                        const std::array<float, 4>& v);
-    float patch_length(std::uint32_t cage_quad) const;
+    float column_length(std::uint32_t cage_quad) const;
+    float row_length(std::uint32_t cage_quad) const;
 
     const QuadBuild& build_;
     TextureOptions options_;
