@@ -54,15 +54,16 @@ class Lenticels {
     /// Returns 1 in the lenticels of a lattice.
     float marks(const Cells& cells, Place q, float size, float band) const {
         float found = 0;
-        const float texel = plan_.tile.texel();
+        const float texel = plan_.tile.texel(), share = std::sqrt(size);
         cells.visit(q, 1, [&](Place d, std::uint32_t id) {
             const float amount = 0.42f + 0.5f * band * plan_.options.irregularity;
             if (chance(id, 0) > amount + 0.2f) return;
             const float present = saturate((amount + 0.2f - chance(id, 0)) * 5);
+            const float width = std::max(0.055f * tall_ * (0.5f + chance(id, 2)) * share, 0.3f * texel);
+            // Outside of the lens: the shift of its middle is at most 0.05 |d.x|.
+            if (std::abs(d.y) > width + 0.8f * texel + 0.051f * std::abs(d.x)) return;
             const float c = chance(id, 1);
             const float length = s_ * size * (0.12f + 0.5f * c * c) * present;
-            const float width =
-                std::max(0.055f * tall_ * (0.5f + chance(id, 2)) * std::sqrt(size), 0.3f * texel);
             const float x = d.x / length;
             // Lens: thickest in the middle, with sharp ends.
             const float edge =
@@ -80,7 +81,9 @@ class Lenticels {
         diamonds_.visit(p, 1, [&](Place d, std::uint32_t id) {
             if (chance(id, 0) >= 3 * plan_.options.patches * std::min(plan_.age, 1.0f)) return;
             const float size = unit * (0.1f + 0.12f * chance(id, 1));
-            const float x = std::abs(d.x) / size, y = d.y / (size * (0.5f + 0.5f * chance(id, 2)));
+            const float x = std::abs(d.x) / size;
+            if (x >= 2 && wobble < 3) return;  // neither inside nor on the brow
+            const float y = d.y / (size * (0.5f + 0.5f * chance(id, 2)));
             inside = std::max(inside, 1 - x - std::abs(y) + 0.3f * wobble);
             const float arc = (d.y - 0.35f * size) / size + 0.45f * x * x / (0.6f + x);
             const float line = std::abs(arc + 0.05f * wobble) - 0.1f * saturate(1.9f - x);

@@ -210,28 +210,36 @@ class QuadTexture {
 
     void set_refined() {
         const std::vector<std::uint32_t> kept = find_kept_quads(build_, tubes_.tube_rows());
-        parallel_for(ctx_, kept.size(), kFaceGrain, [&](std::size_t i) {
-            const std::uint32_t f = kept[i] >> (2 * levels()), mask = tubes_.size() - 1;
-            const std::uint32_t row = (kept[i] >> levels()) & mask, column = kept[i] & mask;
-            const TexturePatch& patch = tubes_.patch(f);
-            if (!patch.is_rectangle()) {
-                set_cap(i, f);
-                return;
+        parallel_for_ranges(ctx_, kept.size(), kFaceGrain, [&](IndexRange range) {
+            const std::uint32_t mask = tubes_.size() - 1;
+            PatchColumns columns;
+            std::uint32_t current = kNoIndex;  // cage quad of the columns
+            for (std::size_t i = range.begin; i < range.end; ++i) {
+                const std::uint32_t f = kept[i] >> (2 * levels());
+                const TexturePatch& patch = tubes_.patch(f);
+                if (!patch.is_rectangle()) {
+                    set_cap(i, f);
+                    continue;
+                }
+                if (f != current) tubes_.set_columns(patch, columns);
+                current = f;
+                set_quad(i, patch, columns, (kept[i] >> levels()) & mask, kept[i] & mask);
             }
-            const auto wraps = static_cast<float>(patch.wraps);
-            const float left = tubes_.turns(patch, column) * wraps,
-                        right = tubes_.turns(patch, column + 1) * wraps;
-            const std::array<TexturePoint, 4> corner{{{left, tubes_.v(patch, column, row)},
-                                                      {right, tubes_.v(patch, column + 1, row)},
-                                                      {right, tubes_.v(patch, column + 1, row + 1)},
-                                                      {left, tubes_.v(patch, column, row + 1)}}};
-            std::ranges::copy(corner, corners(i).begin());
-            texture_.zones[i] = patch.zone;
-            const BarkPoint middle{.tube = patch.tube,
-                                   .share = tubes_.share(patch, static_cast<float>(row) + 0.5f)};
-            texture_.set_radius(i, {&middle, 1}, beyond_);
-            is_open_[i] = texture_area(corners(i)) > 0 ? 0 : 1;  // rows may have no length
         });
+    }
+
+    void set_quad(std::size_t face, const TexturePatch& patch, const PatchColumns& columns, std::uint32_t row,
+                  std::uint32_t column) {
+        const std::span<TexturePoint> out = corners(face);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const std::uint32_t at = column + (k == 1 || k == 2 ? 1 : 0), up = row + k / 2;
+            out[k] = {columns.u[at], tubes_.v(patch, columns, at, up)};
+        }
+        texture_.zones[face] = patch.zone;
+        const BarkPoint middle{.tube = patch.tube,
+                               .share = tubes_.share(patch, static_cast<float>(row) + 0.5f)};
+        texture_.set_radius(face, {&middle, 1}, beyond_);
+        is_open_[face] = texture_area(out) > 0 ? 0 : 1;  // rows may have no length
     }
 
     // The corners of coarse quads are refined vertices of the sides of a tube, or of another cage quad.

@@ -14,10 +14,6 @@ namespace {
 constexpr std::size_t kFaceGrain = 4096;
 constexpr double kMaxDensityRatio = 4;
 
-double signed_area(TexturePoint a, TexturePoint b, TexturePoint c) {
-    return 0.5 * ((double{b.u} - a.u) * (double{c.v} - a.v) - (double{c.u} - a.u) * (double{b.v} - a.v));
-}
-
 double area(Vec3 a, Vec3 b, Vec3 c) { return 0.5 * double{length(cross(b - a, c - a))}; }
 
 double area(std::span<const Vec3> face) {
@@ -103,12 +99,6 @@ void measure_equal(std::span<const std::array<std::uint32_t, N>> faces, std::spa
 }
 
 }  // namespace
-
-double texture_area(std::span<const TexturePoint> face) {
-    double out = 0;
-    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += signed_area(face[0], face[k], face[k + 1]);
-    return out;
-}
 
 bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
                      float tiles_per_metre) {

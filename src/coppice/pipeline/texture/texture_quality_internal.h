@@ -21,8 +21,17 @@ std::array<Vec3, N> face_positions(const std::array<std::uint32_t, N>& face,
     return out;
 }
 
+/// [tiles^2] Returns the area of a triangle in the texture, negative if it is turned over.
+inline double signed_area(TexturePoint a, TexturePoint b, TexturePoint c) {
+    return 0.5 * ((double{b.u} - a.u) * (double{c.v} - a.v) - (double{c.u} - a.u) * (double{b.v} - a.v));
+}
+
 /// [tiles^2] Returns the area of a face in the texture, negative if it is turned over.
-double texture_area(std::span<const TexturePoint> face);
+inline double texture_area(std::span<const TexturePoint> face) {
+    double out = 0;
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) out += signed_area(face[0], face[k], face[k + 1]);
+    return out;
+}
 
 /// Returns whether no corner of a face is turned over in the texture, and its density is within a factor of
 /// four of the expected one.

@@ -64,6 +64,18 @@ TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, 
     for (const NodeId node : nodes(build.tubes)) set_forks(node);
 }
 
+void TubeTexture::set_columns(const TexturePatch& p, PatchColumns& out) const {
+    out.u.resize(size_ + 1);
+    out.first.resize(size_ + 1);
+    out.last.resize(size_ + 1);
+    for (std::uint32_t column = 0; column <= size_; ++column) {
+        const float share = static_cast<float>(column) / static_cast<float>(size_);
+        out.u[column] = turns(p, column) * static_cast<float>(p.wraps);
+        out.first[column] = std::lerp(p.v[0], p.v[1], share);
+        out.last[column] = std::lerp(p.v[3], p.v[2], share);
+    }
+}
+
 TubeTexture::Ring TubeTexture::ring(NodeId tube, int end) const {
     const CageRun side = faces_[tube.index()].side;
     Ring out(side.count);

@@ -40,6 +40,12 @@ struct TexturePatch {
     bool is_rectangle() const { return axis != kNoIndex; }
 };
 
+/// Texture coordinates at the columns of a patch.
+struct PatchColumns {
+    std::vector<float> u;            ///< per column
+    std::vector<float> first, last;  ///< per column: v at the first and at the last row
+};
+
 /// Bark coordinates on the refined cage of a surface of quads. A branch begins at a root, or where it leaves
 /// another one, and follows the leaders to a tip. Around it, u is the column of the cage times the number of
 /// wraps, a whole number; along it, v increases by the mean length of the edges of a row over their
@@ -73,6 +79,13 @@ class TubeTexture {
         const float share = static_cast<float>(column) / static_cast<float>(size_);
         return std::lerp(std::lerp(p.v[0], p.v[1], share), std::lerp(p.v[3], p.v[2], share),
                          rows_[p.first_row + row]);
+    }
+    /// Sets the coordinates at the columns of a patch.
+    void set_columns(const TexturePatch& p, PatchColumns& out) const;
+    /// Returns v as above, from the columns of the patch.
+    float v(const TexturePatch& p, const PatchColumns& columns, std::uint32_t column,
+            std::uint32_t row) const {
+        return std::lerp(columns.first[column], columns.last[column], rows_[p.first_row + row]);
     }
     /// Returns the share of the length of its tube at a place along a patch, from 0 to size().
     float share(const TexturePatch& p, float row) const {
