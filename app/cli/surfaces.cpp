@@ -183,8 +183,10 @@ void check_texture(const GivenOptions& given, const TextureOptions& texture) {
     for (const std::string_view name : {"--material", "--tile", "--tile-height", "--uv-blend"}) {
         if (has(name) && !is_bark) throw UsageError(fmt::format("{} requires --uv bark", name));
     }
-    if (has("--twig-diameter") && !has("--twig-material"))
-        throw UsageError("--twig-diameter requires --twig-material");
+    for (const std::string_view name : {"--twig-diameter", "--twig-tile"}) {
+        if (has(name) && !has("--twig-material"))
+            throw UsageError(fmt::format("{} requires --twig-material", name));
+    }
     if (has("--atlas-size") && !is_atlas) throw UsageError("--atlas-size requires --uv atlas");
 }
 

@@ -190,5 +190,24 @@ TEST(MaterialSlots, DoNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(slots(1), slots(3));
 }
 
+TEST(MaterialSlots, TwigsHaveTilesOfTheirOwn) {
+    // A fifth of the area is a branch with a girth of 3 cm.
+    const Skeleton tree({NodeId::none(), NodeId(0), NodeId(1), NodeId(1), NodeId(3), NodeId(4)},
+                        {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {3, 0, 2}, {6, 0, 3}, {10, 0, 4}},
+                        {0.1f, 0.1f, 0.1f, 0.005f, 0.005f, 0.005f});
+    MeshOptions options = with_slots(0.02f);
+    options.texture.tile = 0.3f;
+    const TextureReport plain = mesh_skeleton(tree, options).texture->report;
+    EXPECT_GT(plain.density_p95, 8);  // 0.3 / 0.03 without tiles of twigs
+    options.slots.twig_tile = 0.03f;
+    for (const MeshMethod method : {MeshMethod::quads, MeshMethod::tetrahedra}) {
+        options.method = method;
+        const TextureReport report = mesh_skeleton(tree, options).texture->report;
+        EXPECT_LT(report.density_p95, 2.0) << name_of(method);
+        EXPECT_GT(report.density_p5, 0.4) << name_of(method);  // quads: 0.49 around the fork
+        EXPECT_EQ(report.flipped, 0u);
+    }
+}
+
 }  // namespace
 }  // namespace coppice

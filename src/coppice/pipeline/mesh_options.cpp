@@ -48,6 +48,12 @@ void list_fields(SlotOptions& o, FieldList& list) {
         Field{"twig_diameter", "Diameter below which branches have the material of twigs up to their tips.",
               Unit::metre, 1e-6, 1e6},
         o.twig_diameter);
+    list.add(
+        Field{"twig_tile",
+              "Width of one repetition of the texture around twigs, in the shape of the tile; 0 makes it "
+              "as wide as on the other branches.",
+              Unit::metre, 0, 1e6},
+        o.twig_tile);
 }
 
 void list_fields(MeshOptions& o, FieldList& list) {

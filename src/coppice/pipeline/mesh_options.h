@@ -127,11 +127,12 @@ struct SlotOptions {
     /// [m] Branches are twigs from the place on beyond which no part of them is thicker: a ring of edges
     /// separates the slots, on surfaces of triangles and in remeshed places a jagged line.
     float twig_diameter = 0.02f;
+    float twig_tile = 0;  ///< [m] width of one repetition of the texture around twigs; 0: as elsewhere
     bool cuts = false;  ///< whether flat ends have a slot of their own, with the coordinates of a picture of
                         ///< a cut that fills the unit square
 };
 
-/// Lists the diameter for front ends; the slots follow from the materials.
+/// Lists the numbers for front ends; the slots follow from the materials.
 void list_fields(SlotOptions& o, FieldList& list);
 
 /// Options of the surface of a skeleton. Tetrahedra only use prepare, field, tetra, and the ends of control;

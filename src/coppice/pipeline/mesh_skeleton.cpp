@@ -147,7 +147,7 @@ struct Texturing {
     }
     BarkTexture operator()(CylinderMesh& surface) const {
         Texture out{std::move(surface.texture), {.axes = surface.report.tubes}};
-        pipeline_internal::measure_texture(surface.mesh, out.points, options.texture.tile, out.report, ctx);
+        pipeline_internal::measure_texture(surface.mesh, out.points, {options.texture.tile}, out.report, ctx);
         return {std::move(out), {}};
     }
 };

@@ -188,7 +188,7 @@ class AtlasMaker {
             report.used += texture_area(faces_.values(std::span<const TexturePoint>(texture.points), f));
         const double side = std::sqrt(area_ / report.used);  // [m]
         report.pixels_per_metre = size_ / side;
-        measure_texture(mesh_, texture.points, static_cast<float>(side), texture.report, ctx_);
+        measure_texture(mesh_, texture.points, {static_cast<float>(side)}, texture.report, ctx_);
     }
 
     FaceView mesh_;

@@ -179,9 +179,10 @@ class QuadTexture {
         : mesh_(mesh),
           build_(build),
           ctx_(ctx),
-          tubes_(build, options, ctx),
+          tubes_(build, options, slots, ctx),
           beyond_(build),
           options_(options),
+          slots_(slots),
           texture_(mesh.quads.size(), 4 * mesh.quads.size(), slots.twigs),
           is_open_(mesh.quads.size(), 1) {}
 
@@ -198,7 +199,8 @@ class QuadTexture {
         texture.points = std::move(texture_.points);
         out.radii = std::move(texture_.radii);
         texture.report.axes = tubes_.axis_count();
-        measure_texture(mesh_.quads, mesh_.positions, texture.points, options_.tile, texture.report, ctx_);
+        measure_texture(mesh_.quads, mesh_.positions, texture.points, {options_.tile, slots_, out.radii},
+                        texture.report, ctx_);
         return out;
     }
 
@@ -344,6 +346,7 @@ class QuadTexture {
     TubeTexture tubes_;
     RadiiBeyond beyond_;
     TextureOptions options_;
+    SlotOptions slots_;
     FaceTexture texture_;
     std::vector<std::uint8_t> is_open_;  // per face: whether it has no coordinates yet
 };
@@ -357,7 +360,7 @@ BarkTexture bark_texture(const QuadMesh& mesh, const QuadBuild& build, const Tex
 
 BarkTexture bark_texture(const TriMesh& mesh, const QuadBuild& build, const TextureOptions& options,
                          const SlotOptions& slots, const Context& ctx) {
-    const TubeTexture tubes(build, options, ctx);
+    const TubeTexture tubes(build, options, slots, ctx);
     const TextureTransfer carrier(build, tubes, std::vector<std::uint8_t>(build.tubes.size(), 1), ctx);
     const std::vector<std::uint8_t> all(mesh.triangles.size(), 1);
     FaceTexture faces(mesh.triangles.size(), 3 * mesh.triangles.size(), slots.twigs);
@@ -369,7 +372,8 @@ BarkTexture bark_texture(const TriMesh& mesh, const QuadBuild& build, const Text
     texture.points = std::move(faces.points);
     out.radii = std::move(faces.radii);
     texture.report.axes = tubes.axis_count();
-    measure_texture(mesh.triangles, mesh.positions, texture.points, options.tile, texture.report, ctx);
+    measure_texture(mesh.triangles, mesh.positions, texture.points, {options.tile, slots, out.radii},
+                    texture.report, ctx);
     return out;
 }
 

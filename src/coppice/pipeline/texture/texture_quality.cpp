@@ -69,7 +69,7 @@ std::array<double, 3> density_quantiles(std::vector<FaceDensity> faces, std::arr
 // Calls corners(i) for the coordinates of a face, and surface_area(i) [m^2]. The densities are those of
 // evenly chosen faces.
 template <class Corners, class Area>
-void measure(std::size_t count, const Corners& corners, const Area& surface_area, float tile,
+void measure(std::size_t count, const Corners& corners, const Area& surface_area, const TileWidths& tiles,
              TextureReport& report, const Context& ctx) {
     const std::size_t step = count / kMaxSamples | 1;  // odd, unlike the numbers of quads of a patch
     std::vector<FaceDensity> density((count + step - 1) / step);
@@ -80,7 +80,7 @@ void measure(std::size_t count, const Corners& corners, const Area& surface_area
         if (i % step != 0) return;
         const double surface = surface_area(i);
         const double ratio = surface > 0 ? std::sqrt(std::max(mapped, 0.0) / surface) : 0;
-        density[i / step] = {static_cast<float>(ratio * double{tile}), static_cast<float>(surface)};
+        density[i / step] = {static_cast<float>(ratio * double{tiles.at(i)}), static_cast<float>(surface)};
     });
     report.flipped = static_cast<std::uint64_t>(std::ranges::count(flipped, 1));
     const auto q = density_quantiles(std::move(density), {0.05, 0.5, 0.95});
@@ -91,11 +91,11 @@ void measure(std::size_t count, const Corners& corners, const Area& surface_area
 
 template <std::size_t N>
 void measure_equal(std::span<const std::array<std::uint32_t, N>> faces, std::span<const Vec3> positions,
-                   std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                   std::span<const TexturePoint> texture, const TileWidths& tiles, TextureReport& report,
                    const Context& ctx) {
     measure(
         faces.size(), [&](std::size_t i) { return texture.subspan(N * i, N); },
-        [&](std::size_t i) { return area(face_positions(faces[i], positions)); }, tile, report, ctx);
+        [&](std::size_t i) { return area(face_positions(faces[i], positions)); }, tiles, report, ctx);
 }
 
 }  // namespace
@@ -120,18 +120,18 @@ void project_on_plane(std::span<const Vec3> face, const TexturePlane& plane, flo
 }
 
 void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,
-                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     std::span<const TexturePoint> texture, const TileWidths& tiles, TextureReport& report,
                      const Context& ctx) {
-    measure_equal(faces, positions, texture, tile, report, ctx);
+    measure_equal(faces, positions, texture, tiles, report, ctx);
 }
 
 void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> positions,
-                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     std::span<const TexturePoint> texture, const TileWidths& tiles, TextureReport& report,
                      const Context& ctx) {
-    measure_equal(faces, positions, texture, tile, report, ctx);
+    measure_equal(faces, positions, texture, tiles, report, ctx);
 }
 
-void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, float tile,
+void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, const TileWidths& tiles,
                      TextureReport& report, const Context& ctx) {
     const AtlasFaces faces(mesh);
     const auto surface_area = [&](std::size_t i) {
@@ -142,7 +142,7 @@ void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture
     };
     measure(
         mesh.size(), [&](std::size_t i) { return faces.values(texture, static_cast<std::uint32_t>(i)); },
-        surface_area, tile, report, ctx);
+        surface_area, tiles, report, ctx);
 }
 
 }  // namespace coppice::pipeline_internal

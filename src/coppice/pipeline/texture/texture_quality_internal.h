@@ -9,6 +9,7 @@
 #include "coppice/mesh/face_view.h"
 #include "coppice/mesh/mesh.h"
 #include "coppice/mesh/texture.h"
+#include "coppice/pipeline/mesh_options.h"
 
 namespace coppice::pipeline_internal {
 
@@ -38,6 +39,19 @@ inline double texture_area(std::span<const TexturePoint> face) {
 bool is_good_texture(std::span<const Vec3> face, std::span<const TexturePoint> texture,
                      float tiles_per_metre);
 
+/// The widths of tiles by face.
+struct TileWidths {
+    float tile;                         ///< [m] of faces that are not on twigs
+    SlotOptions slots = {};             ///< tile and diameter of twigs
+    std::span<const float> radii = {};  ///< [m] per face as in BarkTexture, if slots.twigs
+
+    float at(std::size_t face) const {
+        const bool is_twig =
+            slots.twigs && slots.twig_tile > 0 && radii[face] >= 0 && 2 * radii[face] < slots.twig_diameter;
+        return is_twig ? slots.twig_tile : tile;
+    }
+};
+
 /// A plane through a point, in which v increases towards the projection of a direction.
 struct TexturePlane {
     Vec3 point;
@@ -52,12 +66,12 @@ void project_on_plane(std::span<const Vec3> face, const TexturePlane& plane, flo
 
 /// Adds the number of faces that are turned over and the quantiles of the density, by area. O(n log n).
 void measure_texture(std::span<const Quad> faces, std::span<const Vec3> positions,
-                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     std::span<const TexturePoint> texture, const TileWidths& tiles, TextureReport& report,
                      const Context& ctx);
 void measure_texture(std::span<const Triangle> faces, std::span<const Vec3> positions,
-                     std::span<const TexturePoint> texture, float tile, TextureReport& report,
+                     std::span<const TexturePoint> texture, const TileWidths& tiles, TextureReport& report,
                      const Context& ctx);
-void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, float tile,
+void measure_texture(const FaceView& mesh, std::span<const TexturePoint> texture, const TileWidths& tiles,
                      TextureReport& report, const Context& ctx);
 
 }  // namespace coppice::pipeline_internal

@@ -38,9 +38,11 @@ std::vector<std::uint32_t> find_kept_quads(const QuadBuild& build, const TubeRow
     return out;
 }
 
-TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, const Context& ctx)
+TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, const SlotOptions& slots,
+                         const Context& ctx)
     : build_(build),
       options_(options),
+      slots_(slots),
       tube_rows_(build.cage, build.tubes, build.refinement.levels(), build.sides),
       faces_(faces_of_tubes(tube_rows_)),
       cage_(build.refinement.cage()),
@@ -56,6 +58,7 @@ TubeTexture::TubeTexture(const QuadBuild& build, const TextureOptions& options, 
         const NodeId tube(static_cast<std::uint32_t>(i));
         if (faces_[i].side.count > 0) measure_rows(tube);
     });
+    if (slots.twigs && slots.twig_tile > 0) beyond_.emplace(build);
     follow_axes();
     parallel_for(ctx, tube_.size(), kTubeGrain, [&](std::size_t i) {
         const NodeId tube(static_cast<std::uint32_t>(i));
@@ -128,9 +131,15 @@ void TubeTexture::measure_rows(NodeId tube) {
     }
 }
 
+// [m] Returns the width of the tiles around a tube: it is one of a twig if it begins as a twig.
+float TubeTexture::tile(NodeId tube) const {
+    const bool is_twig = beyond_ && 2 * beyond_->at(tube, 0) < slots_.twig_diameter;
+    return is_twig ? slots_.twig_tile : options_.tile;
+}
+
 // `current`: 0 at the beginning of a branch.
-std::uint32_t TubeTexture::choose_wraps(float circumference, std::uint32_t current) const {
-    const float exact = std::min(circumference / options_.tile, 1e6f);
+std::uint32_t TubeTexture::choose_wraps(NodeId tube, std::uint32_t current) const {
+    const float exact = std::min(at(tube).circumference / tile(tube), 1e6f);
     const auto nearest = static_cast<std::uint32_t>(std::max(1L, std::lround(exact)));
     if (current == 0) return nearest;
     const float ratio = exact / static_cast<float>(current);
@@ -149,7 +158,7 @@ void TubeTexture::follow_axes() {
             continue_axis(n);
         } else {
             at(n).axis = axis_count_++;
-            at(n).wraps = choose_wraps(at(n).circumference, 0);
+            at(n).wraps = choose_wraps(n, 0);
             begin_zone(n, at(n).wraps);
         }
         set_end(n);
@@ -176,7 +185,7 @@ void TubeTexture::continue_axis(NodeId tube) {
     after.axis = before.axis;
     after.column = (before.column + count - rotation) % count;
     after.begin = sum / static_cast<float>(count);
-    after.wraps = choose_wraps(after.circumference, before.wraps);
+    after.wraps = choose_wraps(tube, before.wraps);
     after.zone = before.zone;
     if (after.wraps != before.wraps) begin_zone(tube, before.wraps);
 }

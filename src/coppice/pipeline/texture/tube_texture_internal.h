@@ -16,6 +16,7 @@
 #include "coppice/pipeline/repair/tube_quads_internal.h"
 #include "coppice/pipeline/repair/tube_rows_internal.h"
 #include "coppice/pipeline/texture/blend_zone_internal.h"
+#include "coppice/pipeline/texture/radii_beyond_internal.h"
 #include "coppice/subdivision/kernel/patch_index.h"
 
 namespace coppice::pipeline_internal {
@@ -50,16 +51,17 @@ struct PatchColumns {
 /// another one, and follows the leaders to a tip. Around it, u is the column of the cage times the number of
 /// wraps, a whole number; along it, v increases by the mean length of the edges of a row over their
 /// circumference, times the wraps, so that a square texture is not distorted. The number of wraps comes
-/// closest to tiles of the given width, and changes along a branch only where it would be wrong by a factor
-/// of more than the square root of 2. At forks, v increases only on the side of the laterals; the difference
-/// around the stem decreases along the next tubes. Rows between a branch and the face through which it leaves
-/// its parent continue it backwards. A second set continues the coordinates of the stem into its laterals,
-/// and the number of wraps beyond the rings where it changes.
+/// closest to tiles of the given width, that of twigs for tubes of twigs, and changes along a branch only
+/// where it would be wrong by a factor of more than the square root of 2. At forks, v increases only on the
+/// side of the laterals; the difference around the stem decreases along the next tubes. Rows between a branch
+/// and the face through which it leaves its parent continue it backwards. A second set continues the
+/// coordinates of the stem into its laterals, and the number of wraps beyond the rings where it changes.
 class TubeTexture {
   public:
-    /// The build must outlive this object. Uses the width of a tile, and whether there is a second set.
-    /// O(refined vertices).
-    TubeTexture(const QuadBuild& build, const TextureOptions& options, const Context& ctx);
+    /// The build must outlive this object. Uses the width of a tile, whether there is a second set, and the
+    /// tile and the diameter of twigs. O(refined vertices).
+    TubeTexture(const QuadBuild& build, const TextureOptions& options, const SlotOptions& slots,
+                const Context& ctx);
 
     const TubeRows& tube_rows() const { return tube_rows_; }
     const std::vector<TubeFaces>& faces() const { return faces_; }  ///< per tube
@@ -129,7 +131,8 @@ class TubeTexture {
     Vec3 position(std::uint32_t v) const { return build_.refined[v]; }
     Ring ring(NodeId tube, int end) const;
     void measure_rows(NodeId tube);
-    std::uint32_t choose_wraps(float circumference, std::uint32_t current) const;
+    float tile(NodeId tube) const;
+    std::uint32_t choose_wraps(NodeId tube, std::uint32_t current) const;
     void follow_axes();
     void continue_axis(NodeId tube);
     void set_end(NodeId tube);
@@ -155,6 +158,8 @@ class TubeTexture {
 
     const QuadBuild& build_;
     TextureOptions options_;
+    SlotOptions slots_;
+    std::optional<RadiiBeyond> beyond_;  // if twigs have another tile
     TubeRows tube_rows_;
     std::vector<TubeFaces> faces_;  // per tube
     CageView cage_;

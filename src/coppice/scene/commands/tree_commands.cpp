@@ -311,6 +311,7 @@ SlotOptions slot_options(const SceneCall& call, MeshMethod method) {
         throw InvalidInput("twig_material= needs another method than cylinders");
     if (!slots.twigs && slots.twig_diameter != SlotOptions{}.twig_diameter)
         throw InvalidInput("twig_diameter= needs twig_material=");
+    if (!slots.twigs && slots.twig_tile > 0) throw InvalidInput("twig_tile= needs twig_material=");
     return slots;
 }
 
