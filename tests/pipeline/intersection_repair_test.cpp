@@ -308,7 +308,7 @@ TEST(RemovedRows, TipsOfRemeshedBranchesEndOneRadiusBeyondTheirNodes) {
 
 // A twig that continues its stem, and a sibling that bends into the same direction: one tube contains both.
 TEST(RemovedRows, TipsInTheTubeOfASiblingAreReached) {
-    for (const auto [way, angle] : {std::pair{0.36f, 0.6f}, {0.39f, 0.56f}, {0.42f, 0.6f}}) {
+    for (const auto& [way, angle] : {std::pair{0.36f, 0.6f}, {0.39f, 0.56f}, {0.42f, 0.6f}}) {
         SCOPED_TRACE(way);
         const Vec3 up{0, 0, 1}, fork = 0.6f * up;
         const Vec3 sibling = fork + way * Vec3{std::sin(angle), 0, std::cos(angle)};
