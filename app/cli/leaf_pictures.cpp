@@ -27,11 +27,13 @@ std::string count_leaves(Run& run, const SurfaceLeaves& leaves) {
     const FoliageReport& report = leaves.tree.foliage.report;
     visit_figures(report, [&](const char* name, auto value) { run.counts()[name] = value; });
     run.counts()["branchlets"] = leaves.tree.branchlets;
-    return fmt::format("{} leaves of {:.3g} m2 on {} {}, leaf area index {:.3g}, {} removed in wood",
-                       grouped(report.leaves), report.leaf_area,
-                       grouped(leaves.tree.branchlets > 0 ? leaves.tree.branchlets : report.shoots),
-                       leaves.tree.branchlets > 0 ? "branchlets" : "shoots", report.leaf_area_index,
-                       grouped(report.inside_wood));
+    std::string text = fmt::format(
+        "{} leaves of {:.3g} m2 on {} {}, leaf area index {:.3g}", grouped(report.leaves), report.leaf_area,
+        grouped(leaves.tree.branchlets > 0 ? leaves.tree.branchlets : report.shoots),
+        leaves.tree.branchlets > 0 ? "branchlets" : "shoots", report.leaf_area_index);
+    if (report.flowers > 0) text += fmt::format(", {} flowers", grouped(report.flowers));
+    if (report.fruit > 0) text += fmt::format(", {} fruit", grouped(report.fruit));
+    return text + fmt::format(", {} removed in wood", grouped(report.inside_wood));
 }
 
 }  // namespace coppice::cli

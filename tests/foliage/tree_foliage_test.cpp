@@ -76,8 +76,8 @@ TEST(TreeFoliage, seasons_change_leaves_but_not_twigs) {
 
 TEST(TreeFoliage, ThreadsGiveTheSameBits) {
     const Skeleton tree = test::make_shoot_tree(40).make();
-    const TreeFoliage one = make_foliage(tree, {}, make_rules(), kBranchlets, 3, {.threads = 1});
-    const TreeFoliage four = make_foliage(tree, {}, make_rules(), kBranchlets, 3, {.threads = 4});
+    const TreeFoliage one = make_foliage(tree, {}, make_rules(), kBranchlets, 3, {}, {.threads = 1});
+    const TreeFoliage four = make_foliage(tree, {}, make_rules(), kBranchlets, 3, {}, {.threads = 4});
     EXPECT_EQ(one.foliage.instances.positions, four.foliage.instances.positions);
     EXPECT_EQ(one.foliage.instances.colors, four.foliage.instances.colors);
     EXPECT_EQ(one.foliage.report.leaves, four.foliage.report.leaves);

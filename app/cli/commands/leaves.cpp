@@ -28,6 +28,7 @@ struct LeavesFlags {
     LeafShape shape;
     LeafRules rules;
     BranchletOptions branchlets;
+    OrganOptions organs;
     MeshOptions mesh = options_of_written_surface();
     MaterialPrefixes materials;
     InstanceStorage storage = InstanceStorage::instanced;
@@ -117,8 +118,8 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
     }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const auto leaves = run.stage("leaves", [&](const Context& ctx) {
-        return std::make_shared<const SurfaceLeaves>(
-            make_surface_leaves(file.skeleton, species, flags.branchlets, flags.models, ctx));
+        return std::make_shared<const SurfaceLeaves>(make_surface_leaves(
+            file.skeleton, species, flags.branchlets, flags.organs, flags.models, ctx));
     });
     const std::string summary = count_leaves(run, *leaves);
     if (leaves->tree.foliage.report.leaves == 0) {
@@ -158,6 +159,7 @@ Command leaves_command() {
                               {"size", "--leaf-size"},
                               {"density", "--leaf-density"}},
                     .common = MemberNames{"season", "max_radius", "shoot_length", "size", "seed"}});
+    options.fields(flags->organs, "Flowers and fruit of the season", {.common = MemberNames{}});
     options.fields(flags->shape, "Shape of a leaf; the defaults are replaced by those of the species",
                    {.prefix = "leaf", .common = MemberNames{}});
     options.fields(flags->branchlets, "Branchlets: twigs with leaves that continue the branches",

@@ -95,6 +95,7 @@ ExitCode schema(Run& run, std::vector<Command> list) {
                    {"bark", described<BarkOptions>()},
                    {"leaf", described<LeafShape>()},
                    {"leaves", described<LeafRules>()},
+                   {"organs", described<OrganOptions>()},
                    {"read_skeleton", described<ReadSkeletonOptions>()},
                    {"write_skeleton", described<WriteSkeletonOptions>()},
                    {"scene", scene_schema()},

@@ -204,7 +204,7 @@ std::vector<Branchlet> make_branchlets(const BranchletOptions& options, std::spa
     for (const LeafModel& model : models) prototypes.push_back(model.prototype);
     std::vector<Branchlet> out;
     for (int i = 0; i < count; ++i) {
-        const Skeleton axes = AxisBuilder(options, rules, i).build();
+        Skeleton axes = AxisBuilder(options, rules, i).build();
         const Foliage leaves = place_leaves(axes, models, make_leaf_rules(rules, options), ctx);
         Branchlet made{.twig = {.prototype = make_twig(axes), .area = leaves.report.leaf_area}};
         MergedInstances merged = merge_instances(prototypes, leaves.instances, ctx);
@@ -213,6 +213,7 @@ std::vector<Branchlet> make_branchlets(const BranchletOptions& options, std::spa
         made.leaves.mesh = std::move(merged.mesh);
         for (const Quaternion r : leaves.instances.rotations)
             made.upper_sides.push_back(rotate(r, {0, 0, 1}));
+        made.axes = std::move(axes);
         out.push_back(std::move(made));
     }
     return out;

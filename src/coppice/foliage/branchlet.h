@@ -10,6 +10,7 @@
 #include "coppice/foliage/leaf_shape.h"
 #include "coppice/foliage/placement.h"
 #include "coppice/mesh/instances.h"
+#include "coppice/skeleton/skeleton.h"
 
 namespace coppice {
 
@@ -39,6 +40,7 @@ void list_fields(BranchletOptions& o, FieldList& list);
 
 /// A twig with its leaves. Both meshes have the frame of Prototype: the twig extends along +y.
 struct Branchlet {
+    Skeleton axes;                  ///< of the twig, in its frame
     LeafModel twig;                 ///< closed tubes, one for each axis; the area is that of the leaves
     Prototype leaves;               ///< all leaves as one mesh, which is empty in winter
     std::vector<Vec3> upper_sides;  ///< unit vector of each leaf

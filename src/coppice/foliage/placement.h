@@ -76,15 +76,18 @@ void list_fields(LeafRules& o, FieldList& list);
 
 /// Figures of placed leaves.
 struct FoliageReport {
-    std::uint64_t leaves = 0;       ///< number of leaves
-    std::uint64_t shoots = 0;       ///< number of leafy shoots
-    std::uint64_t thick_tips = 0;   ///< tips that have no leaves because they are thicker than max_radius
-    std::uint64_t inside_wood = 0;  ///< leaves that were removed, as they would pass through wood
-    std::uint64_t floating = 0;     ///< leaves that are not attached to the bark; always 0
-    double leaf_area = 0;           ///< [m^2] of one side
-    double crown_area = 0;          ///< [m^2] of the convex hulls of the trees' leaves seen from above
-    double leaf_area_index = 0;     ///< leaf_area / crown_area
-    double mean_inclination = 0;    ///< [rad] mean angle of the upper sides from upwards
+    std::uint64_t leaves = 0;      ///< number of leaves
+    std::uint64_t shoots = 0;      ///< number of leafy shoots
+    std::uint64_t thick_tips = 0;  ///< tips that have no leaves because they are thicker than max_radius
+    std::uint64_t flowers = 0;     ///< number of flowers and catkins
+    std::uint64_t fruit = 0;       ///< number of fruit and cones
+    /// leaves, and clusters of flowers and fruit, that were removed, as they would pass through wood
+    std::uint64_t inside_wood = 0;
+    std::uint64_t floating = 0;   ///< leaves and clusters that are not attached to the bark; always 0
+    double leaf_area = 0;         ///< [m^2] of one side
+    double crown_area = 0;        ///< [m^2] of the convex hulls of the trees' leaves seen from above
+    double leaf_area_index = 0;   ///< leaf_area / crown_area
+    double mean_inclination = 0;  ///< [rad] mean angle of the upper sides from upwards
 };
 
 /// Calls visit(name, value) for every figure, in order.
@@ -93,6 +96,8 @@ void visit_figures(const FoliageReport& r, Visitor&& visit) {
     visit("leaves", r.leaves);
     visit("shoots", r.shoots);
     visit("thick_tips", r.thick_tips);
+    visit("flowers", r.flowers);
+    visit("fruit", r.fruit);
     visit("inside_wood", r.inside_wood);
     visit("floating", r.floating);
     visit("leaf_area", r.leaf_area);

@@ -7,8 +7,10 @@
 #include <bit>
 #include <cmath>
 
+#include "coppice/base/check_fields.h"
 #include "coppice/base/random.h"
 #include "coppice/foliage/leaf_frame_internal.h"
+#include "coppice/foliage/organ_placement_internal.h"
 
 namespace coppice {
 namespace {
@@ -96,26 +98,54 @@ TreeFoliage assemble(std::vector<Branchlet> models, const Foliage& placed, const
 
 TreeFoliage place_branchlets(const Skeleton& skeleton, std::span<const LeafModel> leaves,
                              const LeafRules& rules, const BranchletOptions& options, int models,
-                             const Context& ctx) {
+                             const FoliageOrgans& organs, const Context& ctx) {
     std::vector<Branchlet> branchlets = make_branchlets(options, leaves, rules, models, ctx);
     std::vector<LeafModel> twigs;
-    for (const Branchlet& branchlet : branchlets) twigs.push_back(branchlet.twig);
+    std::vector<Skeleton> axes;
+    for (Branchlet& branchlet : branchlets) {
+        twigs.push_back(branchlet.twig);
+        axes.push_back(std::move(branchlet.axes));
+    }
     const Foliage placed = place_leaves(skeleton, twigs, make_branch_rules(rules, options), ctx);
-    return assemble(std::move(branchlets), placed, rules);
+    TreeFoliage out = assemble(std::move(branchlets), placed, rules);
+    const foliage_internal::OrganBranches branches{
+        .tree = skeleton, .models = axes, .copies = placed.instances};
+    add_organs(out, branches, organs.organs, organs.options, rules, models, ctx);
+    return out;
+}
+
+/// Returns one copy of a model at its own place.
+Instances make_one_copy(const Skeleton& skeleton) {
+    return {.prototypes = {0},
+            .positions = {Vec3{}},
+            .rotations = {Quaternion{}},
+            .scales = {1},
+            .colors = {Color{255, 255, 255}},
+            .origin = skeleton.origin()};
 }
 
 }  // namespace
 
 TreeFoliage make_foliage(const Skeleton& skeleton, const LeafShape& shape, const LeafRules& rules,
-                         const BranchletOptions& branchlets, int models, const Context& ctx) {
+                         const BranchletOptions& branchlets, int models, const FoliageOrgans& organs,
+                         const Context& ctx) {
+    check_fields(organs.options, "leaves");
     const std::vector<LeafModel> leaves = make_leaves(shape, models);
-    if (branchlets.length > 0) return place_branchlets(skeleton, leaves, rules, branchlets, models, ctx);
+    if (branchlets.length > 0)
+        return place_branchlets(skeleton, leaves, rules, branchlets, models, organs, ctx);
     TreeFoliage out{.foliage = place_leaves(skeleton, leaves, rules, ctx)};
     for (std::size_t i = 0; i < leaves.size(); ++i) {
         out.prototypes.push_back(leaves[i].prototype);
         out.prototypes.back().name = fmt::format("leaf_{}", i + 1);
         out.prototypes.back().material = kLeafMaterial;
     }
+    const Instances copy = make_one_copy(skeleton);
+    const foliage_internal::OrganBranches branches{.tree = skeleton,
+                                                   .models = {&skeleton, 1},
+                                                   .copies = copy,
+                                                   .max_radius = rules.max_radius,
+                                                   .min_order = rules.min_order};
+    add_organs(out, branches, organs.organs, organs.options, rules, models, ctx);
     return out;
 }
 

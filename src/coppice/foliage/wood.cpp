@@ -45,7 +45,7 @@ bool Wood::contains(const LeafPoints& leaf, std::span<const std::uint32_t> near)
     return std::ranges::any_of(near, [&](std::uint32_t i) {
         const auto depth = [&](Vec3 p) { return -cones_[i].closest_point(p).signed_distance(); };
         return (nodes_[i] != leaf.node && depth(leaf.attachment) > leaf.depth) ||
-               std::ranges::any_of(leaf.midrib, [&](Vec3 p) { return depth(p) > 0; });
+               std::ranges::any_of(leaf.midrib, [&](Vec3 p) { return depth(p) > -leaf.clearance; });
     });
 }
 

@@ -19,6 +19,7 @@ struct LeafPoints {
     NodeId node;                 ///< end of the segment to which the leaf is attached
     float depth = 0;             ///< [m] accepted depth of the attachment in other segments
     std::array<Vec3, 3> midrib;  ///< [m] along the leaf, up to its tip
+    float clearance = 0;         ///< [m] distance that the midrib must have from wood
 };
 
 /// The segments of a skeleton that leaves must not enter.
@@ -30,7 +31,8 @@ class Wood {
     /// Replaces `near` by the segments with boxes that overlap the given one.
     void find_near(const Box3& box, std::vector<std::uint32_t>& near) const;
 
-    /// Returns whether a leaf is attached inside of one of the segments, or has a point of its midrib in one.
+    /// Returns whether a leaf is attached inside of one of the segments, or has a point of its midrib in
+    /// one or closer than the clearance.
     bool contains(const LeafPoints& leaf, std::span<const std::uint32_t> near) const;
 
   private:

@@ -72,6 +72,8 @@ std::string described(const Surface& surface) {
         const FoliageReport& report = surface.leaves->tree.foliage.report;
         text += fmt::format("leaves     {}\nleaf_m2    {:.6g}\nleaf_index {:.6g}\n", report.leaves,
                             report.leaf_area, report.leaf_area_index);
+        if (report.flowers > 0) text += fmt::format("flowers    {}\n", report.flowers);
+        if (report.fruit > 0) text += fmt::format("fruit      {}\n", report.fruit);
     }
     return text;
 }

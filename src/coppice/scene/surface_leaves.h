@@ -12,10 +12,12 @@
 
 namespace coppice {
 
-/// The leaves of a surface, with their materials.
+/// The leaves, flowers and fruit of a surface, with their materials.
 struct SurfaceLeaves {
-    TreeFoliage tree;                      ///< prototypes, places and figures
-    std::vector<MaterialFiles> materials;  ///< of leaves and of twigs, by Prototype::material
+    TreeFoliage tree;  ///< prototypes, places and figures
+    /// By Prototype::material: those of "leaf", "branchlet", "flower" and "fruit" that prototypes have.
+    std::vector<MaterialFiles> materials;
+    std::vector<float> transmissions;  ///< light that passes through relative to the reflected, by material
 
     /// Returns the copies as writers take them; this object must outlive them.
     InstancedParts parts(InstanceStorage storage = InstanceStorage::instanced) const {
@@ -23,12 +25,14 @@ struct SurfaceLeaves {
     }
 };
 
-/// Makes the leaves of a species for a skeleton; see make_foliage(). The maximum colours of the leaves become
-/// the colour of their material, so that formats without colours of copies have a similar one.
+/// Makes the leaves, flowers and fruit of a species for a skeleton; see make_foliage(). The maximum colours
+/// of the copies become the colour of their material, so that formats without colours of copies have a
+/// similar one.
 SurfaceLeaves make_surface_leaves(const Skeleton& skeleton, const LeafSpecies& species,
-                                  const BranchletOptions& branchlets, int models, const Context& ctx = {});
+                                  const BranchletOptions& branchlets, const OrganOptions& organs, int models,
+                                  const Context& ctx = {});
 
-/// Returns the materials of the leaves for render(), by Prototype::material: light passes through leaves.
+/// Returns the materials for render(), by Prototype::material: light passes through leaves and petals.
 std::vector<RenderMaterial> make_render_materials(const SurfaceLeaves& leaves);
 
 /// Returns the approximate memory [bytes].

@@ -56,7 +56,7 @@ SceneOutcome add_leaves(const SceneCall& call) {
     Surface surface = call.surface(name);
     const auto leaves = std::make_shared<const SurfaceLeaves>(make_surface_leaves(
         call.skeleton(call.text("tree")), species, call.options<BranchletOptions>("branchlet"),
-        static_cast<int>(call.number("models")), call.context()));
+        call.options<OrganOptions>("organ"), static_cast<int>(call.number("models")), call.context()));
     call.reserve(static_cast<double>(compute_memory(*leaves)));
     surface.leaves = leaves;
     const std::uint64_t bytes = compute_memory(surface);
@@ -66,8 +66,8 @@ SceneOutcome add_leaves(const SceneCall& call) {
 }  // namespace
 
 SceneCommand leaves_command() {
-    SceneCommand c =
-        new_command("leaves", "Trees", "Add leaves to the surface of a tree.", "leaves tree oak");
+    SceneCommand c = new_command("leaves", "Trees", "Add leaves, flowers and fruit to the surface of a tree.",
+                                 "leaves tree oak");
     c.makes = ObjectKind::mesh;
     Argument tree =
         object_option("tree", ObjectKind::skeleton, "Skeleton of the surface, on which the leaves grow.");
@@ -80,6 +80,7 @@ SceneCommand leaves_command() {
                          {"rules.size", "leaf_size"},
                          {"rules.density", "leaf_density"}});
     add_species_options(c.arguments, LeafShape{}, "shape", add_prefix(LeafShape{}, "shape", "leaf_"));
+    add_options(c.arguments, OrganOptions{}, "organ", {}, {});
     add_options(c.arguments, BranchletOptions{}, "branchlet", {},
                 add_prefix(BranchletOptions{}, "branchlet", "branchlet_"));
     c.run = add_leaves;
