@@ -285,33 +285,38 @@ std::vector<std::string> find_faults(const AxesReport& axes) {
     return out;
 }
 
-Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, const ControlOptions& ends) {
-    const auto verdict =
-        run.stage("judge", [&](const Context& ctx) { return judge_surface(result, skeleton, ends, ctx); });
-    if (!verdict) return {};
-    Verdict out{verdict->is_good(), {}};
-    if (verdict->volume) {
-        const VolumeReport& volume = *verdict->volume;
+Verdict report_verdict(Run& run, const SurfaceVerdict& verdict, bool is_cage) {
+    Verdict out{verdict.is_good(), {}};
+    if (verdict.volume) {
+        const VolumeReport& volume = *verdict.volume;
         run.counts()["volume"] = {{"mesh", volume.mesh},
                                   {"cones", volume.cones},
                                   {"error", volume.error},
                                   {"ratio", volume.ratio()}};
-        if (!result.fitted) out.text = fmt::format("; volume {:.1f} % of the cones'", 100 * volume.ratio());
-        if (!verdict->holds_volume()) {
+        out.text = fmt::format("; volume {:.1f} % of the cones'", 100 * volume.ratio());
+        if (!verdict.holds_volume()) {
             run.warn(fmt::format("the surface has {:.1f} % of the volume of the skeleton's rounded cones",
                                  100 * volume.ratio()));
         }
     }
-    Json& axes = run.counts()["axes"] = compute_figures(verdict->axes);
-    axes.update({{"tips", verdict->axes.tips}, {"tips_short", verdict->axes.short_tips}});
-    for (const std::string& fault : find_faults(verdict->axes)) run.warn(fault);
-    if (verdict->crossings > 0) {
+    Json& axes = run.counts()["axes"] = compute_figures(verdict.axes);
+    axes.update({{"tips", verdict.axes.tips}, {"tips_short", verdict.axes.short_tips}});
+    for (const std::string& fault : find_faults(verdict.axes)) run.warn(fault);
+    if (verdict.crossings > 0) {
         run.warn(fmt::format(
-            "{} of quads still intersect; {}", counted(verdict->crossings, "pair"),
-            is_cage(result)
-                ? "a cage is not repaired: use --levels 1 or more, or --faces without --tube-sides equal"
-                : "coppice check lists the places"));
+            "{} of quads still intersect; {}", counted(verdict.crossings, "pair"),
+            is_cage ? "a cage is not repaired: use --levels 1 or more, or --faces without --tube-sides equal"
+                    : "coppice check lists the places"));
     }
+    return out;
+}
+
+Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, const ControlOptions& ends) {
+    const auto verdict =
+        run.stage("judge", [&](const Context& ctx) { return judge_surface(result, skeleton, ends, ctx); });
+    if (!verdict) return {};
+    Verdict out = report_verdict(run, *verdict, is_cage(result));
+    if (result.fitted) out.text.clear();  // the fit states the volume
     return out;
 }
 

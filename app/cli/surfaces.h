@@ -8,6 +8,7 @@
 #include "coppice/io_mesh/writer.h"
 #include "coppice/measure/axes.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "options.h"
 #include "run.h"
 
@@ -80,6 +81,8 @@ struct Verdict {
     bool is_good = true;
     std::string text;  ///< text for the summary
 };
+/// Adds the figures of a comparison to the report, and warns of defects.
+Verdict report_verdict(Run& run, const SurfaceVerdict& verdict, bool is_cage = false);
 /// Compares a surface with its skeleton, adds the figures to the report, and warns of defects. Does nothing
 /// for surfaces that judge_surface() does not judge. `ends` must equal the options that made the surface.
 Verdict judge(Run& run, const MeshResult& result, const Skeleton& skeleton, const ControlOptions& ends);

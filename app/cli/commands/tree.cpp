@@ -16,6 +16,8 @@
 #include "pictures.h"
 #include "results.h"
 #include "scene_files.h"
+#include "streams.h"
+#include "surfaces.h"
 
 namespace coppice::cli {
 namespace {
@@ -97,6 +99,10 @@ std::string describe(Run& run, const MadeTree& tree) {
             fmt::format("{:.3g} m high, {:.3g} m wide, {:.2g} m thick; ", size.height, size.width, size.dbh) +
             text;
     }
+    if (tree.surface->verdict) {
+        run.counts()["crossings"] = tree.surface->verdict->crossings;
+        text += report_verdict(run, *tree.surface->verdict).text;
+    }
     if (tree.surface->leaves) text += "; " + count_leaves(run, *tree.surface->leaves);
     return text;
 }
@@ -128,6 +134,7 @@ ExitCode make_tree(Run& run, TreeFlags flags, const GivenOptions& given) {
     check_picture_output(flags.image);
     SceneSettings settings = scene_settings(run, flags.scene, {&file, 1});
     settings.outputs = false;
+    settings.judge = true;
     Scene scene(std::move(settings));
     run_scene(run, scene, file);
     const MadeTree tree = find_tree(scene, file);

@@ -22,7 +22,7 @@ OrganShape make_catkin(int count, float length, float width, Vec3d color, Vec3d 
             .width = width,
             .stalk_length = 0.004f,
             .stalk_width = 0.0015f,
-            .spread = 0.3f,
+            .spread = 0.16f,
             .opening = 0.3f,
             .scales = 90,
             .color = color,
@@ -209,8 +209,8 @@ std::vector<Organ> make_hawthorn() {
                        .stalk_length = 0.014f,
                        .spread = 0.8f,
                        .dimple = 0.05f,
-                       .color = srgb(150, 20, 26),
-                       .other_color = srgb(178, 44, 30),
+                       .color = srgb(132, 18, 24),
+                       .other_color = srgb(160, 40, 28),
                        .detail_color = srgb(70, 40, 30),
                        .stalk_color = kStalk},
              .internode = 0.09f,
@@ -335,20 +335,20 @@ std::vector<Organ> make_pine() {
 std::vector<Organ> make_spruce() {
     Organ ripe{.name = "spruce_cone",
                .is_fruit = true,
-               .shape = make_cone(0.13f, 0.036f, 150, 0.25f, srgb(150, 104, 62), srgb(132, 92, 58)),
+               .shape = make_cone(0.13f, 0.036f, 150, 0.25f, srgb(126, 90, 60), srgb(108, 80, 58)),
                .shoot_length = 0.1f,
                .internode = 0.2f,
                .angle = 0.5f,
                .spread = 0.15f,
                .hang = 0.95f,
                .min_height = 0.66f,
-               .shares = {0.05f, 0.05f, 0, 0.08f, 0.07f}};
+               .shares = {0.03f, 0.03f, 0, 0.05f, 0.04f}};
     Organ green = ripe;
     green.name = "green_spruce_cone";
     green.shape.color = srgb(118, 128, 70);
     green.shape.other_color = srgb(126, 96, 72);
     green.shape.opening = 0.1f;
-    green.shares = {0, 0, 0.08f, 0, 0};
+    green.shares = {0, 0, 0.05f, 0, 0};
     return {green, ripe};
 }
 

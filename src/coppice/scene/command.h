@@ -36,6 +36,7 @@ struct SceneSettings {
     /// `folder` is ignored; recorded commands keep file names as entered.
     std::shared_ptr<const FolderSandbox> sandbox = {};
     int max_lines = 100'000;  ///< maximum number of lines that a block of loops may run
+    bool judge = false;       ///< whether `mesh` compares surfaces with their skeletons: Surface::verdict
     GrowthWatch watch = {};   ///< receives intermediate results of `grow` and `sprout`; may be empty
 };
 

@@ -16,6 +16,7 @@
 #include "coppice/implicit/solid/solid.h"
 #include "coppice/io_skeleton/node_attribute.h"
 #include "coppice/mesh/mesh.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "coppice/points/point_set.h"
 #include "coppice/scene/surface_leaves.h"
 #include "coppice/scene/surface_material.h"
@@ -48,6 +49,8 @@ struct Surface {
     std::vector<std::uint32_t> slots =
         {};  ///< per face: its MaterialSlot as a number; empty: all faces are bark
     std::shared_ptr<const SurfaceLeaves> leaves = {};  ///< null without leaves
+    /// Comparison with the skeleton, if SceneSettings::judge requests it and the surface can be judged.
+    std::shared_ptr<const SurfaceVerdict> verdict = {};
 };
 /// Returns the surface as polygons.
 PolygonMesh make_polygons(const Surface& surface);

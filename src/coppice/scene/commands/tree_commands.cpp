@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <memory>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "coppice/pipeline/displace.h"
 #include "coppice/pipeline/face_budget.h"
 #include "coppice/pipeline/mesh_skeleton.h"
+#include "coppice/pipeline/surface_verdict.h"
 #include "coppice/scene/commands/tables_internal.h"
 #include "coppice/scene/mesh_memory.h"
 #include "coppice/skeleton/assemble.h"
@@ -316,9 +318,14 @@ SlotOptions slot_options(const SceneCall& call, MeshMethod method) {
 }
 
 /// Returns the outcome of a mesh command; `output` is its output.
-SceneOutcome makes_surface(const SceneCall& call, MeshResult result, std::string output) {
+SceneOutcome makes_surface(const SceneCall& call, const Skeleton& skeleton, const ControlOptions& ends,
+                           MeshResult result, std::string output) {
     if (call.flag("displace")) output += displace(call, result);
     Surface surface;
+    if (call.settings().judge) {
+        if (const auto verdict = judge_surface(result, skeleton, ends, call.context()))
+            surface.verdict = std::make_shared<const SurfaceVerdict>(*verdict);
+    }
     std::visit([&](auto& made) { surface.mesh = std::move(made.mesh); }, result.surface);
     if (result.texture) {
         surface.texture = std::move(result.texture->points);
@@ -343,7 +350,7 @@ SceneOutcome makes_surface_of_faces(const SceneCall& call, const Skeleton& skele
     call.reserve(memory_of_faces(refined * static_cast<double>(faces), options.fit));
     BudgetedMesh made = mesh_with_faces(skeleton, {}, options, faces, call.context());
     const std::string missed = text_of_missed_faces(made, faces);
-    return makes_surface(call, std::move(made.result),
+    return makes_surface(call, made.budget.skeleton, options.control, std::move(made.result),
                          to_text(made.budget) + '\n' + (missed.empty() ? missed : missed + '\n'));
 }
 
@@ -382,7 +389,8 @@ SceneCommand mesh_command() {
         if (faces > 0)
             return makes_surface_of_faces(call, skeleton, options, static_cast<std::uint64_t>(faces));
         call.reserve(memory_of_mesh(skeleton, options));
-        return makes_surface(call, mesh_skeleton(skeleton, options, call.context()), {});
+        return makes_surface(call, skeleton, options.control,
+                             mesh_skeleton(skeleton, options, call.context()), {});
     };
     return c;
 }
