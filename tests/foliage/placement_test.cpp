@@ -52,7 +52,7 @@ double compute_distance(const Skeleton& skeleton, Vec3 p) {
 }
 
 TEST(Placement, describes_all_members) {
-    test::expect_described<LeafRules>(11);  // after the bool, before the first colour and at the end
+    test::expect_described<LeafRules>(7);  // after the bool, before the first colour and at the end
 }
 
 /// 0.3 m with nodes every 0.031 m: one at the tip and 9 more.
@@ -228,6 +228,23 @@ TEST(Placement, density_is_the_share_of_leaves) {
     rules.density = 0.3f;
     const double some = static_cast<double>(place_leaves(skeleton, make_models(), rules).report.leaves);
     EXPECT_NEAR(some / all, 0.3, 0.03);
+}
+
+TEST(Placement, maximum_index_thins_leaves_out) {
+    const Skeleton tree = test::make_shoot_tree(60).make();
+    LeafRules rules{.max_radius = 0.004f, .shoot_length = 0.5f};
+    const FoliageReport all = place_leaves(tree, make_models(), rules).report;
+    rules.max_index = static_cast<float>(0.5 * all.leaf_area_index);
+    const FoliageReport half = place_leaves(tree, make_models(), rules).report;
+    EXPECT_NEAR(half.leaf_area_index, 0.5 * all.leaf_area_index, 0.02 * all.leaf_area_index);
+    // The leaves of other seasons are some of the same.
+    rules.season = Season::young;
+    // Smaller ones do not reach wood.
+    EXPECT_NEAR(static_cast<double>(place_leaves(tree, make_models(), rules).report.leaves),
+                static_cast<double>(half.leaves), 5);
+    rules.season = Season::summer;
+    rules.max_index = static_cast<float>(2 * all.leaf_area_index);
+    EXPECT_EQ(place_leaves(tree, make_models(), rules).report.leaves, all.leaves);
 }
 
 TEST(Placement, thick_tips_and_low_orders_are_bare) {

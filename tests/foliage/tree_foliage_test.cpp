@@ -74,6 +74,19 @@ TEST(TreeFoliage, seasons_change_leaves_but_not_twigs) {
     EXPECT_NE(autumn.foliage.instances.colors, summer.foliage.instances.colors);
 }
 
+TEST(TreeFoliage, maximum_index_keeps_the_same_branchlets_in_all_seasons) {
+    const Skeleton tree = test::make_shoot_tree(60).make();
+    LeafRules rules = make_rules();
+    const TreeFoliage all = make_foliage(tree, {}, rules, kBranchlets, 2);
+    rules.max_index = static_cast<float>(0.6 * all.foliage.report.leaf_area_index);
+    const TreeFoliage summer = make_foliage(tree, {}, rules, kBranchlets, 2);
+    EXPECT_LE(summer.foliage.report.leaf_area_index, 1.03 * double{rules.max_index});
+    EXPECT_GE(summer.foliage.report.leaf_area_index, 0.85 * double{rules.max_index});
+    EXPECT_LT(summer.branchlets, all.branchlets);
+    rules.season = Season::winter;
+    EXPECT_EQ(make_foliage(tree, {}, rules, kBranchlets, 2).branchlets, summer.branchlets);
+}
+
 TEST(TreeFoliage, ThreadsGiveTheSameBits) {
     const Skeleton tree = test::make_shoot_tree(40).make();
     const TreeFoliage one = make_foliage(tree, {}, make_rules(), kBranchlets, 3, {}, {.threads = 1});

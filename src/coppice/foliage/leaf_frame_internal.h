@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "coppice/foliage/placement.h"
 #include "coppice/foliage/shoots_internal.h"
@@ -34,6 +35,11 @@ LeafFrame make_frame(const ShootPlace& place, const LeafRules& rules, std::uint3
 
 /// Returns the rotation from the frame of a prototype.
 Quaternion make_rotation(const LeafFrame& frame);
+
+/// Returns the share of leaves that may be kept so that the index in summer is at most rules.max_index. Few
+/// leaves cover a smaller area, so that the share is found in several steps.
+float find_density(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules,
+                   const Context& ctx);
 
 /// The effects of the season.
 struct SeasonState {

@@ -230,12 +230,34 @@ class Placer {
 
 }  // namespace
 
+float foliage_internal::find_density(const Skeleton& skeleton, std::span<const LeafModel> models,
+                                     const LeafRules& rules, const Context& ctx) {
+    if (rules.max_index <= 0) return rules.density;
+    constexpr int kMaxSteps = 8;
+    constexpr double kTolerance = 0.02;
+    LeafRules summer = rules;
+    summer.season = Season::summer;
+    double low = 0, high = 0;  // densities with indices below and above the maximum
+    for (int step = 0; step < kMaxSteps; ++step) {
+        const double density = double{summer.density};
+        const FoliageReport report = Placer(skeleton, models, summer, ctx).place(ctx).report;
+        const double excess = report.leaf_area_index / double{rules.max_index};
+        if (step == 0 && excess <= 1 + kTolerance) break;
+        if (std::abs(excess - 1) <= kTolerance) break;
+        (excess > 1 ? high : low) = density;
+        summer.density = static_cast<float>(low > 0 ? std::sqrt(low * high) : density / excess);
+    }
+    return summer.density;
+}
+
 Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules,
                      const Context& ctx) {
     check_fields(rules, "leaves");
     if (models.empty()) throw InvalidInput("leaves: there is no model of a leaf; add at least one");
     if (skeleton.size() == 0) return {};
-    return Placer(skeleton, models, rules, ctx).place(ctx);
+    LeafRules thinned = rules;
+    thinned.density = find_density(skeleton, models, rules, ctx);
+    return Placer(skeleton, models, thinned, ctx).place(ctx);
 }
 
 }  // namespace coppice

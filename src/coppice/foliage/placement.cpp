@@ -40,6 +40,12 @@ void list_form(LeafRules& o, FieldList& list) {
              o.base_size);
     list.add(common_field("density", "Share of the leaves that are kept.", Unit::none, 0, 1), o.density);
     list.add(
+        Field{"max_index",
+              "Maximum leaf area index in summer, to which leaves or branchlets are thinned out; 0 is no "
+              "limit.",
+              Unit::none, 0, 100},
+        o.max_index);
+    list.add(
         Field{"color_spread", "Maximum relative deviation of the brightness of leaves.", Unit::none, 0, 1},
         o.color_spread);
     list.add(Field{"young_color", "Colour of young leaves in sRGB from 0 to 1; by default light green."},

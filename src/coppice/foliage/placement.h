@@ -64,6 +64,9 @@ struct LeafRules {
     float size_spread = 0.15f;   ///< maximum relative deviation of sizes; in [0, 0.9]
     float base_size = 0.75f;     ///< size at the base of a shoot relative to that at its tip; in [0.05, 5]
     float density = 1;           ///< share of the leaves that are kept; in [0, 1]
+    /// Maximum leaf area index in summer, to which leaves are thinned out at random; 0: no limit; in [0,
+    /// 100].
+    float max_index = 0;
     float color_spread = 0.12f;  ///< maximum relative deviation of the brightness; in [0, 1]
     std::optional<Vec3d> young_color = std::nullopt;   ///< sRGB in [0, 1]; default: light green
     std::optional<Vec3d> summer_color = std::nullopt;  ///< the same in summer; default: green
@@ -117,10 +120,14 @@ struct Foliage {
 /// of the radius from the axis of its segment. Leaves that are attached inside of another branch, or enter
 /// wood with their midrib, are removed; wood are the segments thicker than shoots or a tenth of the leaf.
 ///
-/// The leaves of an axis depend only on its own nodes, the stable id of its first node, and the seed: edits
-/// elsewhere do not change them. The same bits for any number of threads. O(n + leaves log n) for n nodes,
-/// about 1 microsecond of CPU time and 50 bytes per leaf. Throws InvalidInput if a number is out of range, if
-/// there are no models, or for more than 20 million leaves; Cancelled.
+/// With a maximum index, the same share of all leaves is kept, by which it is reached within 2 % if the tree
+/// has many leaves.
+///
+/// The leaves of an axis depend only on its own nodes, the stable id of its first node, and the seed, and
+/// with a maximum index on the share that is kept: edits elsewhere do not change them. The same bits for any
+/// number of threads. O(n + leaves log n) for n nodes, about 1 microsecond of CPU time and 50 bytes per leaf.
+/// Throws InvalidInput if a number is out of range, if there are no models, or for more than 20 million
+/// leaves; Cancelled.
 Foliage place_leaves(const Skeleton& skeleton, std::span<const LeafModel> models, const LeafRules& rules = {},
                      const Context& ctx = {});
 

@@ -96,17 +96,29 @@ TreeFoliage assemble(std::vector<Branchlet> models, const Foliage& placed, const
     return out;
 }
 
+std::vector<LeafModel> list_twigs(std::span<const Branchlet> branchlets) {
+    std::vector<LeafModel> out;
+    for (const Branchlet& branchlet : branchlets) out.push_back(branchlet.twig);
+    return out;
+}
+
 TreeFoliage place_branchlets(const Skeleton& skeleton, std::span<const LeafModel> leaves,
                              const LeafRules& rules, const BranchletOptions& options, int models,
                              const FoliageOrgans& organs, const Context& ctx) {
     std::vector<Branchlet> branchlets = make_branchlets(options, leaves, rules, models, ctx);
-    std::vector<LeafModel> twigs;
+    const std::vector<LeafModel> twigs = list_twigs(branchlets);
     std::vector<Skeleton> axes;
-    for (Branchlet& branchlet : branchlets) {
-        twigs.push_back(branchlet.twig);
-        axes.push_back(std::move(branchlet.axes));
+    for (Branchlet& branchlet : branchlets) axes.push_back(std::move(branchlet.axes));
+    LeafRules branch_rules = make_branch_rules(rules, options);
+    if (rules.max_index > 0) {
+        // The same branchlets grow in all seasons.
+        LeafRules summer = rules;
+        summer.season = Season::summer;
+        const auto leafy = make_branchlets(options, leaves, summer, models, ctx);
+        branch_rules.density = foliage_internal::find_density(skeleton, list_twigs(leafy), branch_rules, ctx);
+        branch_rules.max_index = 0;
     }
-    const Foliage placed = place_leaves(skeleton, twigs, make_branch_rules(rules, options), ctx);
+    const Foliage placed = place_leaves(skeleton, twigs, branch_rules, ctx);
     TreeFoliage out = assemble(std::move(branchlets), placed, rules);
     const foliage_internal::OrganBranches branches{
         .tree = skeleton, .models = axes, .copies = placed.instances};
