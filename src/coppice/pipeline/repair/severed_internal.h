@@ -8,7 +8,7 @@
 
 namespace coppice::pipeline_internal {
 
-/// Returns whether a node is a tip whose branch is in the tube of another one.
+/// Returns whether a node is a tip, and its branch is in the tube of another one.
 bool is_hidden_tip(NodeId n, const QuadBuild& build);
 
 /// Returns the rows where the quads sever an axis of the field's skeleton, as defined by judge_axes(), or end
