@@ -118,8 +118,8 @@ ExitCode add_leaves(Run& run, LeavesFlags flags, const GivenOptions& given) {
     }
     const SkeletonFile file = load_skeleton(run, flags.skeleton, flags.read);
     const auto leaves = run.stage("leaves", [&](const Context& ctx) {
-        return std::make_shared<const SurfaceLeaves>(make_surface_leaves(
-            file.skeleton, species, flags.branchlets, flags.organs, flags.models, ctx));
+        return std::make_shared<const SurfaceLeaves>(
+            make_surface_leaves(file.skeleton, species, flags.branchlets, flags.organs, flags.models, ctx));
     });
     const std::string summary = count_leaves(run, *leaves);
     if (leaves->tree.foliage.report.leaves == 0) {
