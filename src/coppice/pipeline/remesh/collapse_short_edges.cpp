@@ -146,8 +146,9 @@ class Collapse {
     }
 
     void remove(std::uint32_t v, std::uint32_t triangle) {
-        const auto fan = members_.begin() + fan_[v].begin;
-        std::remove(fan, fan + fan_[v].size, triangle);
+        const auto begin = members_.begin() + fan_[v].begin, end = begin + fan_[v].size;
+        const auto at = std::find(begin, end, triangle);
+        std::copy(at + 1, end, at);
         --fan_[v].size;
     }
 
