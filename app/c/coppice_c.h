@@ -33,6 +33,8 @@ extern "C" {
 #define COPPICE_API
 #endif
 
+/* NOLINTBEGIN(readability-identifier-naming): names of C. */
+
 /** Result of a call: the exit codes of the program. */
 typedef enum coppice_status {
     COPPICE_OK = 0,           /**< done */
@@ -225,6 +227,8 @@ COPPICE_API coppice_status coppice_points_create(coppice_task* task, size_t coun
 /** Creates a text, such as a scene, and copies it. */
 COPPICE_API coppice_status coppice_bytes_create(coppice_task* task, const char* bytes, size_t count,
                                                 coppice_object** object);
+
+/* NOLINTEND(readability-identifier-naming) */
 
 #ifdef __cplusplus
 }

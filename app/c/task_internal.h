@@ -5,8 +5,8 @@
 #include <stop_token>
 #include <string>
 
+#include "catch_errors.h"
 #include "coppice_c.h"
-#include "errors.h"
 #include "held_objects.h"
 #include "host.h"
 

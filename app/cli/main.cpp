@@ -1,5 +1,5 @@
+#include "catch_errors.h"
 #include "command.h"
-#include "errors.h"
 #include "messages.h"
 #include "outputs.h"
 #include "parser.h"
