@@ -57,7 +57,7 @@ void check_mesh_output(const std::filesystem::path& path);
 void check_skeleton_output(const std::filesystem::path& path);
 /// The same for points.
 void check_points_output(const std::filesystem::path& path);
-/// The same for points that have attributes besides their coordinates.
+/// The same for points that have attributes.
 void check_cloud_output(const std::filesystem::path& path);
 
 /// Reads a file as a stage of the run; reports its counts and repairs, and warns of suspicious points. `up`

@@ -86,17 +86,32 @@ class Object:
         call("convert", self, output=path, **options)
 
 
-class Skeleton(Object):
+class _Placed(Object):
+    """Base of the objects with positions."""
+
+    _structure: Any = None  #: of their arrays in C
+    _function = ""  #: gets the arrays
+
+    @property
+    def _arrays(self) -> Any:
+        arrays = self._structure()
+        getattr(c.library(), self._function)(self._handle.address, ctypes.byref(arrays))
+        return arrays
+
+    @property
+    def origin(self) -> Tuple[float, float, float]:
+        """Added to the positions, so that georeferenced data keep their accuracy."""
+        x, y, z = self._arrays.origin
+        return x, y, z
+
+
+class Skeleton(_Placed):
     """A forest of nodes with radii: trees, roots, vessels, neurons. Parents precede their children."""
 
     _kind = c.SKELETON
     _name = "memory:skeleton.json"
-
-    @property
-    def _arrays(self) -> c.SkeletonArrays:
-        arrays = c.SkeletonArrays()
-        c.library().skeleton_get(self._handle.address, ctypes.byref(arrays))
-        return arrays
+    _structure = c.SkeletonArrays
+    _function = "skeleton_get"
 
     def __len__(self) -> int:
         return int(self._arrays.count)
@@ -121,12 +136,6 @@ class Skeleton(Object):
         """Index of the parent of each node, (n,), -1 for roots, without a copy."""
         arrays = self._arrays
         return c.view(self._handle, arrays.parents, (arrays.count,), "<i4")
-
-    @property
-    def origin(self) -> Tuple[float, float, float]:
-        """Added to the positions, so that georeferenced data keep their accuracy."""
-        x, y, z = self._arrays.origin
-        return x, y, z
 
     @property
     def units(self) -> str:
@@ -236,17 +245,13 @@ class Skeleton(Object):
         return bytes(call("render", self, width=480, height=480, samples=16, progress=False))
 
 
-class Surface(Object):
+class Surface(_Placed):
     """Vertices and faces. Faces are counter-clockwise seen from outside."""
 
     _kind = c.SURFACE
     _name = "memory:surface.glb"
-
-    @property
-    def _arrays(self) -> c.SurfaceArrays:
-        arrays = c.SurfaceArrays()
-        c.library().surface_get(self._handle.address, ctypes.byref(arrays))
-        return arrays
+    _structure = c.SurfaceArrays
+    _function = "surface_get"
 
     def __len__(self) -> int:
         return int(self._arrays.face_count)
@@ -260,12 +265,6 @@ class Surface(Object):
         """Positions of the vertices relative to the origin, (n, 3), without a copy."""
         arrays = self._arrays
         return c.view(self._handle, arrays.positions, (arrays.vertex_count, 3), "<f4")
-
-    @property
-    def origin(self) -> Tuple[float, float, float]:
-        """Added to the positions, so that georeferenced data keep their accuracy."""
-        x, y, z = self._arrays.origin
-        return x, y, z
 
     @property
     def corners(self) -> "np.ndarray":
@@ -450,17 +449,13 @@ class Instances:
         return "<coppice.Instances: %d copies of %d meshes>" % (len(self), len(self.prototypes))
 
 
-class Points(Object):
+class Points(_Placed):
     """Points of a scan, with attributes."""
 
     _kind = c.POINTS
     _name = "memory:points.las"
-
-    @property
-    def _arrays(self) -> c.PointsArrays:
-        arrays = c.PointsArrays()
-        c.library().points_get(self._handle.address, ctypes.byref(arrays))
-        return arrays
+    _structure = c.PointsArrays
+    _function = "points_get"
 
     def __len__(self) -> int:
         return int(self._arrays.count)
@@ -473,12 +468,6 @@ class Points(Object):
         """Positions relative to the origin, (n, 3), without a copy."""
         arrays = self._arrays
         return c.view(self._handle, arrays.positions, (arrays.count, 3), "<f4")
-
-    @property
-    def origin(self) -> Tuple[float, float, float]:
-        """Added to the positions, so that georeferenced data keep their accuracy."""
-        x, y, z = self._arrays.origin
-        return x, y, z
 
     @property
     def attributes(self) -> Dict[str, "np.ndarray"]:

@@ -8,6 +8,7 @@
 
 #include "coppice/base/error.h"
 #include "described_options.h"
+#include "foliage/mesh_volume.h"
 
 namespace coppice {
 namespace {
@@ -27,13 +28,6 @@ bool is_closed(const TriMesh& mesh) {
         const auto back = edges.find({edge.first.second, edge.first.first});
         return edge.second == 1 && back != edges.end() && back->second == 1;
     });
-}
-
-double compute_volume(const TriMesh& mesh) {
-    double sum = 0;
-    for (const Triangle& t : mesh.triangles)
-        sum += double{dot(mesh.positions[t[0]], cross(mesh.positions[t[1]], mesh.positions[t[2]]))} / 6;
-    return sum;
 }
 
 TEST(Branchlet, twigs_are_closed_and_turned_outwards) {

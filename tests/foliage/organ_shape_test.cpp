@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coppice/base/error.h"
+#include "foliage/mesh_volume.h"
 
 namespace coppice {
 namespace {
@@ -19,13 +20,6 @@ std::size_t count_open_edges(const TriMesh& mesh) {
     std::size_t open = 0;
     for (const auto& [edge, count] : edges) open += edges.contains({edge.second, edge.first}) ? 0 : 1;
     return open;
-}
-
-double compute_volume(const TriMesh& mesh) {
-    double out = 0;
-    for (const Triangle& t : mesh.triangles)
-        out += double{dot(mesh.positions[t[0]], cross(mesh.positions[t[1]], mesh.positions[t[2]]))} / 6;
-    return out;
 }
 
 TEST(OrganShape, berries_are_closed_ellipsoids) {

@@ -8,6 +8,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/base/random.h"
+#include "coppice/base/srgb.h"
 
 namespace coppice::foliage_internal {
 namespace {
@@ -145,12 +146,7 @@ SeasonState SeasonEffects::find(float from_tip) const {
 
 std::array<std::uint8_t, 3> make_color(const SeasonState& season, const LeafRules& rules, float mix,
                                        float light) {
-    const Vec3 hue = lerp(season.hue[0], season.hue[1], mix) * (1 + rules.color_spread * (2 * light - 1));
-    std::array<std::uint8_t, 3> out{};
-    for (std::size_t k = 0; k < 3; ++k)
-        out[k] =
-            static_cast<std::uint8_t>(std::lround(255 * std::clamp(hue[static_cast<int>(k)], 0.0f, 1.0f)));
-    return out;
+    return to_bytes(lerp(season.hue[0], season.hue[1], mix) * (1 + rules.color_spread * (2 * light - 1)));
 }
 
 }  // namespace coppice::foliage_internal

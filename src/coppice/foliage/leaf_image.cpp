@@ -9,6 +9,7 @@
 #include "coppice/base/check_fields.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
+#include "coppice/base/srgb.h"
 #include "coppice/foliage/flat_leaf_internal.h"
 
 namespace coppice {
@@ -196,9 +197,7 @@ void draw_row(const Raster& raster, const FlatLeaf& leaf, const Painter& painter
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const Sum& sum = sums[i];
         const Vec3 color = sum.count > 0 ? sum.color / static_cast<float>(sum.count) : painter.blade;
-        for (std::size_t k = 0; k < 3; ++k)
-            out.color[first + i][k] = static_cast<std::uint8_t>(
-                std::lround(255 * std::clamp(color[static_cast<int>(k)], 0.0f, 1.0f)));
+        out.color[first + i] = to_bytes(color);
         out.alpha[first + i] = static_cast<std::uint8_t>(255 * sum.count / (kSamples * kSamples));
     }
 }

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "coppice/base/srgb.h"
+
 namespace coppice {
 namespace {
 
 constexpr float kTwoFifths = 2.5133f;  // [rad] 144 degrees
 constexpr float kGolden = 2.3998f;     // [rad] 137.5 degrees
-
-constexpr Vec3d srgb(int red, int green, int blue) { return Vec3d(red, green, blue) / 255.0; }
 
 constexpr Vec3d kYellow = srgb(224, 184, 56), kOchre = srgb(176, 120, 56), kCopper = srgb(160, 88, 44),
                 kRed = srgb(170, 52, 40), kBronze = srgb(150, 110, 60);

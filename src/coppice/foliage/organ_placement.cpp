@@ -10,6 +10,7 @@
 #include "coppice/base/error.h"
 #include "coppice/base/parallel.h"
 #include "coppice/base/random.h"
+#include "coppice/base/srgb.h"
 #include "coppice/foliage/leaf_frame_internal.h"
 #include "coppice/foliage/wood_internal.h"
 
@@ -91,12 +92,7 @@ struct CopyResult {
 };
 
 Color mix_color(const OrganPart& part, const Cluster& cluster) {
-    const Vec3d color = lerp(part.color, part.other_color, double{cluster.hue}) * double{cluster.light};
-    Color out{};
-    for (std::size_t k = 0; k < 3; ++k)
-        out[k] =
-            static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[static_cast<int>(k)], 0.0, 1.0)));
-    return out;
+    return to_bytes(lerp(part.color, part.other_color, double{cluster.hue}) * double{cluster.light});
 }
 
 class OrganPlacer {

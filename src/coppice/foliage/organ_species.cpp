@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "coppice/base/fields.h"
+#include "coppice/base/srgb.h"
 
 namespace coppice {
 namespace {
-
-constexpr Vec3d srgb(int red, int green, int blue) { return Vec3d(red, green, blue) / 255.0; }
 
 constexpr Vec3d kStalk = srgb(120, 140, 62), kWoody = srgb(104, 84, 58), kAnther = srgb(226, 196, 92);
 

@@ -1,12 +1,11 @@
 #include "coppice/scene/surface_leaves.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 #include <string_view>
 
 #include "coppice/base/box.h"
+#include "coppice/base/srgb.h"
 #include "coppice/render/colors.h"
 
 namespace coppice {
@@ -28,14 +27,6 @@ Vec3 take_maximum_color(const TreeFoliage& tree, std::uint32_t material, std::ve
         colors[i] = to_srgb(Vec3{c.x / range.high.x, c.y / range.high.y, c.z / range.high.z});
     }
     return range.high;
-}
-
-Rgb to_rgb(Vec3d color) {
-    Rgb out{};
-    for (std::size_t k = 0; k < 3; ++k)
-        out[k] =
-            static_cast<std::uint8_t>(std::lround(255 * std::clamp(color[static_cast<int>(k)], 0.0, 1.0)));
-    return out;
 }
 
 /// A material of the parts of trees.
@@ -69,7 +60,7 @@ SurfaceLeaves make_surface_leaves(const Skeleton& skeleton, const LeafSpecies& s
         if (!used[m]) continue;
         index[m] = static_cast<std::uint32_t>(out.materials.size());
         MaterialFiles files{.name = std::string(kPartMaterials[m].name), .double_sided = m != kTwigMaterial};
-        files.base_color = m == kTwigMaterial ? to_linear(to_rgb(branchlets.color.value_or(kTwigColor)))
+        files.base_color = m == kTwigMaterial ? to_linear(to_bytes(branchlets.color.value_or(kTwigColor)))
                                               : take_maximum_color(tree, m, tree.foliage.instances.colors);
         out.materials.push_back(std::move(files));
         out.transmissions.push_back(kPartMaterials[m].transmission);

@@ -46,10 +46,8 @@ bool is_clear_of(const CutRing& cut_ring, const RoundCone& branch) {
 std::vector<Box3> boxes_around(std::span<const RoundCone> branches) {
     std::vector<Box3> out;
     for (const RoundCone& c : branches) {
-        Box3 box;
-        extend_outward(box, c.a);
-        extend_outward(box, c.b());
-        out.push_back(box.inflated(static_cast<float>(2 * std::max(c.radius_a, c.radius_b()))));
+        const double reach = 2 * std::max(c.radius_a, c.radius_b());
+        out.push_back(capsule_box(Vec3(c.a), Vec3(c.b()), static_cast<float>(reach)));
     }
     return out;
 }

@@ -93,9 +93,7 @@ PolygonMesh faces_about(const Flags& segments, const Skeleton& s, const TubeQuad
     for (const NodeId n : nodes(s)) {
         if (segments[n.index()] == 0) continue;
         const Segment g = s.segment(n);
-        Box3 box{g.a, g.a};
-        box.extend(g.b);
-        boxes.push_back(box.inflated(kReach * std::max(g.radius_a, g.radius_b)));
+        boxes.push_back(capsule_box(g.a, g.b, kReach * std::max(g.radius_a, g.radius_b)));
     }
     if (boxes.empty()) return {};
     return some_faces(quads.mesh, quads_near(quads, BoxTree(boxes, ctx), ctx));
