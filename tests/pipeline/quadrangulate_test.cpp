@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "coppice/mesh/shape.h"
 #include "coppice/mesh/topology.h"
@@ -63,6 +64,20 @@ TEST(Quadrangulate, SplitsOnlyPairsWithAMarkedTriangle) {
     EXPECT_TRUE(std::equal(before.quads.end() - 4, before.quads.end(), patch.quads.end() - 4));
     EXPECT_NEAR(shape(make_mesh(x, patch)).area, 3, 1e-6);
     EXPECT_EQ(shape(make_mesh(x, patch)).inverted_faces, 0u);
+}
+
+// A strip of six equilateral triangles, the middle pair of which is best: joined first, it leaves two single
+// triangles, which a path through all pairs joins.
+TEST(Quadrangulate, JoinsSingleTrianglesAlongPaths) {
+    const float h = std::sqrt(0.75f);
+    Buffer<Vec3> x{{0, 0, 0}, {0.5f, h, 0}, {1, 0, 0}, {1.5f, h, 0},
+                   {2, 0, 0}, {2.5f, h, 0}, {3, 0, 0}, {3.5f, h, 0}};
+    std::vector<Triangle> strip;
+    for (std::uint32_t i = 0; i < 6; ++i)
+        strip.push_back(i % 2 == 0 ? Triangle{i, i + 2, i + 1} : Triangle{i, i + 1, i + 2});
+    x[2].y -= 0.05f;  // the second and third triangles become the best pair
+    x[3].y += 0.05f;
+    EXPECT_EQ(quadrangulate(strip, {}, x).quads.size(), 12u);
 }
 
 TEST(Quadrangulate, CoplanarPairBecomesFourQuads) {

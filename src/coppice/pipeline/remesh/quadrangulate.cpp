@@ -12,7 +12,7 @@ namespace coppice {
 namespace {
 
 constexpr double kWorstPair = 0.3;  // scaled Jacobian below which two triangles are not joined
-constexpr float kFlattest = 0.5f;   // minimum cosine between the normals of two triangles that form a quad
+constexpr float kFlattest = 0.2f;   // minimum cosine between the normals of two triangles that form a quad
 
 // Returns another half-edge of the same edge, the last one if there are several; kNoIndex at the boundary.
 std::uint32_t neighbour(const HalfEdges& edges, std::uint32_t half) {
@@ -31,34 +31,92 @@ Vec3 normal(const Triangle& t, std::span<const Vec3> x) {
     return normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
 }
 
-// Per triangle: its half-edge across which it joins another, or kNoIndex.
-std::vector<std::uint32_t> find_pairs(std::span<const Triangle> triangles, const HalfEdges& edges,
-                                      std::span<const Vec3> x) {
+// Joins triangles in pairs.
+class Pairing {
+  public:
+    Pairing(std::span<const Triangle> triangles, const HalfEdges& edges, std::span<const Vec3> x)
+        : twin_(3 * triangles.size(), kNoIndex), half_(triangles.size(), kNoIndex), step_(triangles.size()) {
+        for (std::uint32_t h = 0; h < twin_.size(); ++h) {
+            const std::uint32_t g = neighbour(edges, h);
+            if (g == kNoIndex || g < h) continue;
+            const double quality = scaled_jacobian(joined(edges, h, g), x);
+            if (quality < kWorstPair ||
+                dot(normal(triangles[h / 3], x), normal(triangles[g / 3], x)) < kFlattest)
+                continue;
+            good_.push_back({quality, h});
+            twin_[h] = g;
+            twin_[g] = h;
+        }
+    }
+
+    // Joins the best pairs first, and then as many of the others as possible.
+    void run() {
+        std::sort(good_.begin(), good_.end(), [](const Pair& a, const Pair& b) {
+            return a.quality != b.quality ? a.quality > b.quality : a.half < b.half;
+        });
+        for (const Pair& p : good_) {
+            if (is_single(p.half / 3) && is_single(twin_[p.half] / 3)) join(p.half);
+        }
+        for (std::uint32_t t = 0; t < half_.size(); ++t) {
+            if (is_single(t)) join_by_path(t);
+        }
+    }
+
+    // Per triangle: its half-edge across which it joins another, or kNoIndex.
+    std::span<const std::uint32_t> halves() const { return half_; }
+
+  private:
     struct Pair {
         double quality;
         std::uint32_t half;
     };
-    std::vector<Pair> good;
-    for (std::uint32_t h = 0; h < 3 * triangles.size(); ++h) {
-        const std::uint32_t g = neighbour(edges, h);
-        if (g == kNoIndex || g < h) continue;
-        const double quality = scaled_jacobian(joined(edges, h, g), x);
-        if (quality < kWorstPair || dot(normal(triangles[h / 3], x), normal(triangles[g / 3], x)) < kFlattest)
-            continue;
-        good.push_back({quality, h});
+    // The half-edge across which a search left the triangle before, and the search.
+    struct Step {
+        std::uint32_t half = kNoIndex, search = kNoIndex;
+    };
+
+    bool is_single(std::uint32_t t) const { return half_[t] == kNoIndex; }
+
+    void join(std::uint32_t half) {
+        half_[half / 3] = half;
+        half_[twin_[half] / 3] = twin_[half];
     }
-    std::sort(good.begin(), good.end(), [](const Pair& a, const Pair& b) {
-        return a.quality != b.quality ? a.quality > b.quality : a.half < b.half;
-    });
-    std::vector<std::uint32_t> out(triangles.size(), kNoIndex);
-    for (const Pair& p : good) {
-        const std::uint32_t twin = neighbour(edges, p.half);
-        if (out[p.half / 3] != kNoIndex || out[twin / 3] != kNoIndex) continue;
-        out[p.half / 3] = p.half;
-        out[twin / 3] = twin;
+
+    // Joins a triangle with the closest other single one: pairs in between exchange their triangles.
+    void join_by_path(std::uint32_t start) {
+        constexpr std::size_t kMaxVisited = 1000;
+        queue_.assign(1, start);
+        step_[start] = {kNoIndex, start};
+        for (std::size_t i = 0; i < queue_.size() && i < kMaxVisited; ++i) {
+            const std::uint32_t t = queue_[i];
+            for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+                if (twin_[h] == kNoIndex) continue;
+                const std::uint32_t next = twin_[h] / 3;
+                if (next == start) continue;
+                if (is_single(next)) return exchange(h);
+                const std::uint32_t beyond = twin_[half_[next]] / 3;
+                if (beyond == t || step_[beyond].search == start || step_[next].search == start) continue;
+                step_[beyond] = {h, start};
+                queue_.push_back(beyond);
+            }
+        }
     }
-    return out;
-}
+
+    // Joins triangles along the path that ends with a half-edge, instead of the pairs there.
+    void exchange(std::uint32_t half) {
+        while (half != kNoIndex) {
+            const std::uint32_t before = step_[half / 3].half;
+            join(half);
+            half = before;
+        }
+    }
+
+    std::vector<std::uint32_t> twin_;  // per half-edge: that of the other triangle, if they form a good quad
+    std::vector<std::uint32_t> half_;
+    std::vector<Pair> good_;
+    std::vector<Step> step_;            // per triangle
+    std::vector<std::uint32_t> queue_;  // of the search
+};
 
 std::uint32_t append(Buffer<Vec3>& positions, Vec3 p) {
     positions.push_back(p);
@@ -115,7 +173,9 @@ class Cutter {
 QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,
                         Buffer<Vec3>& positions) {
     const HalfEdges edges(triangles, static_cast<std::uint32_t>(positions.size()), {.threads = 1});
-    const std::vector<std::uint32_t> pair = find_pairs(triangles, edges, positions);
+    Pairing pairing(triangles, edges, positions);
+    pairing.run();
+    const std::span<const std::uint32_t> pair = pairing.halves();
     Cutter cutter(edges, given, positions);
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         if (pair[t] == kNoIndex) {

@@ -21,9 +21,11 @@ struct QuadPatch {
 };
 
 /// Converts triangles to quads: adjacent triangles are joined in pairs if that produces a good quad, the best
-/// first; then every pair is cut into four quads and every remaining triangle into three, from the middles of
-/// the edges to a vertex in between. The middles of boundary edges are given if there are vertices already;
-/// all other new vertices are appended to `positions`, midway along edges and in the means of faces.
+/// first; triangles that are left are joined along paths of pairs that exchange their triangles, as in the
+/// matching of [Remacle2012]; then every pair is cut into four quads and every remaining triangle into three,
+/// from the middles of the edges to a vertex in between. The middles of boundary edges are given if there are
+/// vertices already; all other new vertices are appended to `positions`, midway along edges and in the means
+/// of faces.
 ///
 /// The triangles must be manifold and oriented. O(n log n).
 QuadPatch quadrangulate(std::span<const Triangle> triangles, std::span<const EdgeMiddle> given,

@@ -71,10 +71,11 @@ PatchSurface patch_surface(RowGroup group, std::shared_ptr<const Marched> marche
 
 /// The quads that replace a group.
 struct PatchQuads {
-    Buffer<Vec3> positions;            ///< [m] vertices of the rings first, as in PatchSurface
-    QuadPatch patch;                   ///< built from the triangles of the surface
-    Buffer<Vec3> unsmoothed;           ///< [m] initial positions
-    std::vector<std::uint8_t> is_new;  ///< per quad: whether it has not been checked yet
+    Buffer<Vec3> positions;             ///< [m] vertices of the rings first, as in PatchSurface
+    QuadPatch patch;                    ///< built from the triangles of the surface
+    Buffer<Vec3> unsmoothed;            ///< [m] initial positions
+    std::vector<std::uint32_t> pinned;  ///< vertices at the ends of round tips, ascending
+    std::vector<std::uint8_t> is_new;   ///< per quad: whether it has not been checked yet
 };
 
 /// Creates quads of a surface at the repair level of each row; quads without a close row use the last value.

@@ -79,9 +79,9 @@ std::vector<Box3> region_boxes(const Skeleton& s, std::span<const PatchVertex> m
 }
 
 // Moves the vertex closest to the end of each round tip onto it, and removes it from those that may move.
-// Ends inside of other branches have no such vertex.
-void pin_tips(std::vector<PatchVertex>& moving, const Skeleton& s, std::span<Vec3> positions,
-              FieldRef field) {
+// Ends inside of other branches have no such vertex. Returns these vertices, ascending.
+std::vector<std::uint32_t> pin_tips(std::vector<PatchVertex>& moving, const Skeleton& s,
+                                    std::span<Vec3> positions, FieldRef field) {
     std::vector<std::uint32_t> pinned;
     for (std::size_t first = 0, end = 0; first < moving.size(); first = end) {
         while (end < moving.size() && moving[end].region == moving[first].region) ++end;
@@ -102,6 +102,7 @@ void pin_tips(std::vector<PatchVertex>& moving, const Skeleton& s, std::span<Vec
     }
     std::ranges::sort(pinned);
     std::erase_if(moving, [&](const PatchVertex& m) { return std::ranges::binary_search(pinned, m.vertex); });
+    return pinned;
 }
 
 void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& options, const Context& ctx) {
@@ -110,14 +111,15 @@ void smooth(PatchQuads& made, const PatchSurface& surface, const MeshOptions& op
     ConvolutionField field(surface.patch_skeleton.skeleton, surface_field_options(options), ctx);
     field.set_regions(region_boxes(surface.patch_skeleton.skeleton, moving, made.positions), ctx);
     if (options.control.tips == TipShape::round)
-        pin_tips(moving, surface.patch_skeleton.skeleton, made.positions, FieldRef(field));
+        made.pinned = pin_tips(moving, surface.patch_skeleton.skeleton, made.positions, FieldRef(field));
     smooth_patch(made.positions, made.patch.quads, moving, FieldRef(field), kSmoothingPasses, ctx);
     enclose_volume(made.positions, made.patch.quads, moving);
 }
 
-bool put_back(PatchQuads& made, const Quad& quad) {
+bool put_back(PatchQuads& made, const Quad& quad, bool tips_too) {
     bool moved = false;
     for (const std::uint32_t v : quad) {
+        if (!tips_too && std::ranges::binary_search(made.pinned, v)) continue;
         moved |= made.positions[v] != made.unsmoothed[v];
         made.positions[v] = made.unsmoothed[v];
     }
@@ -139,23 +141,25 @@ void raise_repair_level(PatchQuads& made, const PatchSurface& surface,
             std::any_of(quad.begin(), quad.end(), [&](std::uint32_t v) { return v >= count; });
         if (is_split ||
             repair_level_at(repair_level, surface.tube_row[made.patch.triangle[q]]) != RepairLevel::none)
-            put_back(made, quad);
+            put_back(made, quad, true);
     }
 }
 
-// Moves vertices of folded quads back to their positions before smoothing, until there are no additional
-// folded quads.
+// Moves vertices of folded quads back to their positions before smoothing, those at tips only if nothing else
+// helps, until there are no additional folded quads.
 void put_back_folded(PatchQuads& made, const Context& ctx) {
     const std::vector<Quad>& quads = made.patch.quads;
     std::vector<std::uint8_t> is_folded(quads.size());
-    for (bool moved = true; moved;) {
+    for (bool moved = true, tips_too = false; moved;) {
         parallel_for(ctx, quads.size(), 1024, [&](std::size_t q) {
             is_folded[q] = scaled_jacobian(quads[q], made.positions) > 0 ? 0 : 1;
         });
         moved = false;
         for (std::size_t q = 0; q < quads.size(); ++q) {
-            if (is_folded[q] != 0) moved |= put_back(made, quads[q]);
+            if (is_folded[q] != 0) moved |= put_back(made, quads[q], tips_too);
         }
+        if (moved || tips_too) continue;
+        moved = tips_too = true;
     }
 }
 

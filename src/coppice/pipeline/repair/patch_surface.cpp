@@ -1,6 +1,7 @@
 #include "coppice/pipeline/repair/patch_internal.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -10,9 +11,9 @@
 #include "coppice/base/parallel.h"
 #include "coppice/measure/capsule_tree.h"
 #include "coppice/measure/intersections.h"
-#include "coppice/pipeline/remesh/collapse_short_edges_internal.h"
 #include "coppice/pipeline/remesh/zip_internal.h"
 #include "coppice/pipeline/repair/crossings_internal.h"
+#include "coppice/pipeline/repair/grid_corners_internal.h"
 #include "coppice/pipeline/stages_internal.h"
 #include "coppice/pipeline/tetra_skeleton_internal.h"
 #include "coppice/skeleton/segment_cone.h"
@@ -289,45 +290,68 @@ std::vector<Segment> collect_segments(const Skeleton& s) {
     return out;
 }
 
-// Returns boxes around the intersecting pairs of triangles, inflated by their own size.
-std::vector<Box3> boxes_around(const TriMesh& mesh, std::span<const FacePair> pairs) {
+// Returns boxes around some triangles, inflated by their own size.
+Box3 box_around(const TriMesh& mesh, std::initializer_list<std::uint32_t> triangles) {
+    Box3 box;
+    for (const std::uint32_t t : triangles) {
+        for (const std::uint32_t v : mesh.triangles[t]) box.extend(mesh.positions[v]);
+    }
+    return box.inflated(box.diagonal());
+}
+
+std::vector<Box3> find_intersections(const TriMesh& mesh, const Context& ctx) {
     std::vector<Box3> out;
-    for (const FacePair& pair : pairs) {
-        Box3 box;
-        for (const std::uint32_t t : {pair.first, pair.second}) {
-            for (const std::uint32_t v : mesh.triangles[t]) box.extend(mesh.positions[v]);
-        }
-        out.push_back(box.inflated(box.diagonal()));
+    const PolygonMesh faces = to_polygons(mesh);
+    for (const FacePair& pair : crossing_faces(SurfaceTree(faces, ctx), kMaxPairs, ctx).pairs)
+        out.push_back(box_around(mesh, {pair.first, pair.second}));
+    return out;
+}
+
+// Returns boxes around triangles that are turned away from the normals of the level set.
+std::vector<Box3> find_turned(const TriMesh& mesh, std::span<const GridCorner> corners,
+                              std::span<const std::uint32_t> kept) {
+    constexpr double kMinCosine = 0.5;
+    std::vector<Box3> out;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle& triangle = mesh.triangles[t];
+        const auto point = [&](std::size_t k) { return Vec3d(mesh.positions[triangle[k]]); };
+        const Vec3d normal = normalized(cross(point(1) - point(0), point(2) - point(0)));
+        const bool is_turned = std::ranges::any_of(triangle, [&](std::uint32_t v) {
+            return dot(normal, Vec3d(corners[kept[v]].normal)) < kMinCosine;
+        });
+        if (is_turned) out.push_back(box_around(mesh, {t}));
     }
     return out;
 }
 
-// Makes triangles about as large as required: those of tetrahedra are smaller. Where the result intersects
-// itself, they keep their size, so that planar quads of its triangles never intersect.
-void coarsen(Marched& marched, float edge, const Context& ctx) {
+// Makes triangles of the size of quads, whose corners are those of grids around the axes. Where triangles are
+// turned or intersect, grids do not fit together, and only short edges are collapsed. If that intersects too,
+// triangles keep their size, so that planar quads of its triangles never intersect.
+void coarsen(Marched& marched, const PatchSkeleton& patch_skeleton, float edge, const Context& ctx) {
     constexpr int kAttempts = 3;
-    std::vector<float> edges;
-    for (const AxisPoint& p : marched.closest_axis_point) {
-        const bool is_ball =
-            p.t <= 0 || p.t >= 1;  // curved in both directions, with twice the error of chords
-        edges.push_back(edge * p.radius * (is_ball ? 1 / std::numbers::sqrt2_v<float> : 1));
-    }
+    std::vector<GridCorner> corners = compute_grid_corners(marched, patch_skeleton, edge, ctx);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         TriMesh coarse = marched.mesh;
-        const std::vector<std::uint32_t> kept = collapse_short_edges(coarse, edges);
-        const PolygonMesh faces = to_polygons(coarse);
-        const std::vector<FacePair> pairs = crossing_faces(SurfaceTree(faces, ctx), kMaxPairs, ctx).pairs;
-        if (pairs.empty()) {
+        const std::vector<std::uint32_t> kept = coarsen_triangles(coarse, corners);
+        std::vector<Box3> faults = find_intersections(coarse, ctx);
+        if (attempt == 0) {
+            const std::vector<Box3> turned = find_turned(coarse, corners, kept);
+            faults.insert(faults.end(), turned.begin(), turned.end());
+        }
+        if (faults.empty()) {
             marched.mesh = std::move(coarse);
             for (std::size_t v = 0; v < kept.size(); ++v)
                 marched.closest_axis_point[v] = marched.closest_axis_point[kept[v]];
             marched.closest_axis_point.resize(kept.size());
             return;
         }
-        const BoxTree around(boxes_around(coarse, pairs), ctx);
-        parallel_for(ctx, edges.size(), kVertexGrain, [&](std::size_t v) {
+        const BoxTree around(faults, ctx);
+        parallel_for(ctx, corners.size(), kVertexGrain, [&](std::size_t v) {
             const Vec3 p = marched.mesh.positions[v];
-            around.visit_overlapping(Box3{p, p}, [&](std::uint32_t) { edges[v] = 0; });
+            around.visit_overlapping(Box3{p, p}, [&](std::uint32_t) {
+                corners[v].position = p;
+                if (attempt > 0) corners[v].spacing = 0;
+            });
         });
     }
 }
@@ -347,7 +371,7 @@ std::shared_ptr<const Marched> march(const PatchSkeleton& patch_skeleton, const 
                 mesh_by_tetrahedra(patch_skeleton.skeleton, PointSet{}, by_tetrahedra, weights, ctx, stages)
                     .mesh;
             out.closest_axis_point = find_closest_axis_points(patch_skeleton, out.mesh.positions, ctx);
-            coarsen(out, std::min(triangle_edge(options), kLongestEdge), ctx);
+            coarsen(out, patch_skeleton, std::min(triangle_edge(options), kLongestEdge), ctx);
         } catch (const Cancelled&) {
             throw;
         } catch (const Error&) {

@@ -1,8 +1,7 @@
-#include "coppice/pipeline/remesh/collapse_short_edges_internal.h"
+#include "coppice/pipeline/remesh/coarsen_triangles_internal.h"
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -12,10 +11,11 @@
 namespace coppice {
 namespace {
 
-constexpr float kShort = 4.0f / 5, kLong = 4.0f / 3;  // of the requested length
-constexpr double kMinCosine = 0.7071;                 // between the normals of a triangle before and after
-constexpr double kMinQuality = 0.3;
-constexpr std::size_t kMinValence = 4, kMaxValence = 9;
+constexpr float kShort = 0.6f, kLong = 2.6f;  // [spacings] lengths of edges that collapse, and of new ones
+constexpr float kSameCorner = 0.5f;           // [spacings] maximum distance of corners that are the same
+constexpr double kMinQuality = 0.01;          // of new triangles
+constexpr double kPoor = 0.8, kGain = 0.05;   // qualities of triangles with edges to flip, and their gain
+constexpr std::size_t kMinValence = 3, kMaxValence = 12;
 constexpr std::size_t kQueues = 32;  // of edges sorted by length, in equal steps
 
 // Returns the normal of a triangle, its length twice the area.
@@ -29,10 +29,10 @@ double quality(const std::array<Vec3, 3>& p) {
     return squares > 0 ? kEquilateral * length(area_normal(p)) / squares : 0;
 }
 
-class Collapse {
+class Coarsening {
   public:
-    Collapse(TriMesh& mesh, std::span<const float> edge)
-        : x_(mesh.positions), triangles_(mesh.triangles), edge_(edge), fan_(mesh.positions.size()) {
+    Coarsening(TriMesh& mesh, std::span<const GridCorner> corners)
+        : x_(mesh.positions), triangles_(mesh.triangles), corners_(corners), fan_(mesh.positions.size()) {
         for (const Triangle& t : triangles_) {
             for (const std::uint32_t v : t) ++fan_[v].size;
         }
@@ -52,7 +52,7 @@ class Collapse {
         }
     }
 
-    void run() {
+    void collapse_edges() {
         for (std::size_t first = 0; first < kQueues;) {
             if (queue_[first].empty()) {
                 ++first;
@@ -61,6 +61,19 @@ class Collapse {
             const Edge e = queue_[first].back();
             queue_[first].pop_back();
             first = std::min(first, collapse(e));
+        }
+    }
+
+    void flip_edges() {
+        constexpr int kPasses = 4;
+        for (int pass = 0; pass < kPasses; ++pass) {
+            bool changed = false;
+            for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+                if (triangles_[t][0] == kNoIndex || quality(points(triangles_[t])) >= kPoor) continue;
+                const bool is_flipped = flip(t, 0) || flip(t, 1) || flip(t, 2);
+                changed = changed || is_flipped;
+            }
+            if (!changed) return;
         }
     }
 
@@ -77,22 +90,28 @@ class Collapse {
     // Returns the first queue with new edges.
     std::size_t collapse(Edge e) {
         if (!is_used(e.a) || !is_used(e.b) || !are_joined(e.a, e.b)) return kQueues;
-        const double onto_b = rate(e.a, e.b), onto_a = rate(e.b, e.a);
-        if (std::max(onto_a, onto_b) <= 0) return kQueues;
-        return onto_b >= onto_a ? move(e.a, e.b) : move(e.b, e.a);
+        if (off_corner(e.a) < off_corner(e.b)) std::swap(e.a, e.b);
+        if (can_move(e.a, e.b)) return move(e.a, e.b);
+        return can_move(e.b, e.a) ? move(e.b, e.a) : kQueues;
     }
 
     std::span<const std::uint32_t> at(std::uint32_t v) const {
         return std::span(members_).subspan(fan_[v].begin, fan_[v].size);
     }
 
-    float requested(std::uint32_t a, std::uint32_t b) const { return std::min(edge_[a], edge_[b]); }
+    float spacing(std::uint32_t a, std::uint32_t b) const {
+        return std::min(corners_[a].spacing, corners_[b].spacing);
+    }
+    // [m] Returns the distance of a vertex from the corner of its lattice.
+    float off_corner(std::uint32_t v) const { return distance(x_[v], corners_[v].position); }
 
     // Queues an edge by its length; returns its queue.
     std::size_t add(std::uint32_t a, std::uint32_t b) {
-        const float length = distance(x_[a], x_[b]), limit = kShort * requested(a, b);
-        if (!(length < limit)) return kQueues;
-        const auto q = std::min(static_cast<std::size_t>(length / limit * kQueues), kQueues - 1);
+        const float length = distance(x_[a], x_[b]), unit = spacing(a, b);
+        const bool is_same = distance(corners_[a].position, corners_[b].position) <= kSameCorner * unit;
+        if (!is_same && !(length < kShort * unit)) return kQueues;
+        const auto q =
+            length < kLong * unit ? static_cast<std::size_t>(length / (kLong * unit) * kQueues) : kQueues - 1;
         queue_[q].push_back({a, b});
         return q;
     }
@@ -115,9 +134,9 @@ class Collapse {
         }
     }
 
-    // Returns the minimum quality of triangles after v is moved onto w; 0 if it must not be moved.
-    double rate(std::uint32_t v, std::uint32_t w) const {
-        if (fan_[v].size + fan_[w].size - 4 > kMaxValence) return 0;
+    // Returns whether v can be moved onto w.
+    bool can_move(std::uint32_t v, std::uint32_t w) const {
+        if (fan_[v].size + fan_[w].size - 4 > kMaxValence) return false;
         std::size_t common = 0;
         bool is_valid = true;
         for_each_neighbour(v, [&](std::uint32_t u) {
@@ -126,23 +145,63 @@ class Collapse {
                 ++common;
                 is_valid &= fan_[u].size > kMinValence;
             } else {
-                is_valid &= distance(x_[u], x_[w]) <= kLong * requested(u, w);
+                const float unit = spacing(u, w);
+                is_valid &= unit == 0 || distance(x_[u], x_[w]) <= kLong * unit;
             }
         });
-        if (!is_valid || common != 2) return 0;
-        double worst = std::numeric_limits<double>::infinity();
+        if (!is_valid || common != 2) return false;
         for (const std::uint32_t t : at(v)) {
             if (has(t, w)) continue;
-            std::array<Vec3, 3> before, after;
-            for (std::size_t k = 0; k < 3; ++k) {
-                before[k] = x_[triangles_[t][k]];
-                after[k] = triangles_[t][k] == v ? x_[w] : before[k];
-            }
-            const Vec3d n = area_normal(before), m = area_normal(after);
-            if (dot(n, m) < kMinCosine * length(n) * length(m)) return 0;
-            worst = std::min(worst, quality(after));
+            Triangle after = triangles_[t];
+            std::ranges::replace(after, v, w);
+            if (!faces_outward(after) || quality(points(after)) < kMinQuality) return false;
         }
-        return worst >= kMinQuality ? worst : 0;
+        return true;
+    }
+
+    std::array<Vec3, 3> points(const Triangle& t) const { return {x_[t[0]], x_[t[1]], x_[t[2]]}; }
+
+    bool faces_outward(const Triangle& t) const {
+        const Vec3d n = area_normal(points(t));
+        return std::ranges::all_of(t,
+                                   [&](std::uint32_t v) { return dot(n, Vec3d(corners_[v].normal)) >= 0; });
+    }
+
+    // Replaces the edge of a triangle that begins at a corner by the other diagonal, if that is better.
+    bool flip(std::uint32_t t, std::size_t k) {
+        const std::uint32_t a = triangles_[t][k], b = triangles_[t][(k + 1) % 3],
+                            c = triangles_[t][(k + 2) % 3];
+        std::uint32_t other = kNoIndex, d = kNoIndex;
+        for (const std::uint32_t u : at(a)) {
+            if (u == t || !has(u, b)) continue;
+            other = u;
+            for (const std::uint32_t v : triangles_[u]) {
+                if (v != a && v != b) d = v;
+            }
+        }
+        if (other == kNoIndex || are_joined(c, d) || fan_[a].size <= kMinValence + 1 ||
+            fan_[b].size <= kMinValence + 1)
+            return false;
+        const Triangle first{c, d, b}, second{d, c, a};
+        const double before = std::min(quality(points(triangles_[t])), quality(points(triangles_[other])));
+        if (std::min(quality(points(first)), quality(points(second))) < before + kGain) return false;
+        if (!faces_outward(first) || !faces_outward(second)) return false;
+        // a - b becomes c - d: t keeps b, the other triangle a.
+        remove(a, t);
+        remove(b, other);
+        triangles_[t] = first;
+        triangles_[other] = second;
+        append(d, t);
+        append(c, other);
+        return true;
+    }
+
+    void append(std::uint32_t v, std::uint32_t triangle) {
+        const auto begin = static_cast<std::uint32_t>(members_.size());
+        old_fan_.assign(at(v).begin(), at(v).end());
+        members_.insert(members_.end(), old_fan_.begin(), old_fan_.end());
+        members_.push_back(triangle);
+        fan_[v] = {begin, fan_[v].size + 1};
     }
 
     void remove(std::uint32_t v, std::uint32_t triangle) {
@@ -183,7 +242,7 @@ class Collapse {
 
     std::span<const Vec3> x_;
     std::span<Triangle> triangles_;  // of kNoIndex if removed
-    std::span<const float> edge_;
+    std::span<const GridCorner> corners_;
     std::vector<Fan> fan_;                // per vertex: its triangles
     std::vector<std::uint32_t> members_;  // triangles of fans; those of merged vertices are appended
     std::vector<std::uint32_t> old_fan_;  // temporary
@@ -192,12 +251,13 @@ class Collapse {
 
 }  // namespace
 
-std::vector<std::uint32_t> collapse_short_edges(TriMesh& mesh, std::span<const float> edge) {
-    Collapse collapse(mesh, edge);
-    collapse.run();
+std::vector<std::uint32_t> coarsen_triangles(TriMesh& mesh, std::span<const GridCorner> corners) {
+    Coarsening coarsening(mesh, corners);
+    coarsening.collapse_edges();
+    coarsening.flip_edges();
     std::vector<std::uint32_t> kept, place(mesh.positions.size(), kNoIndex);
     for (std::uint32_t v = 0; v < place.size(); ++v) {
-        if (!collapse.is_used(v)) continue;
+        if (!coarsening.is_used(v)) continue;
         place[v] = static_cast<std::uint32_t>(kept.size());
         mesh.positions[kept.size()] = mesh.positions[v];
         kept.push_back(v);
