@@ -39,6 +39,20 @@ TEST(CloudGraph, NeighboursAreTheNearestPoints) {
     EXPECT_EQ(nearest_neighbours(std::span(points).first(3), 5, {}).count, 2u);
 }
 
+TEST(CloudGraph, StepIsTheDistanceToThePointsNextToEach) {
+    std::vector<Vec3> line, plane;
+    for (int i = 0; i < 40; ++i) {
+        line.push_back({0.1f * static_cast<float>(i), 0, 0});
+        for (int j = 0; j < 40; ++j)
+            plane.push_back({0.1f * static_cast<float>(i), 0.1f * static_cast<float>(j), 0});
+    }
+    // The fourth neighbour is two points away along a line, and next to the point on a surface.
+    const Buffer<float> along = local_step(nearest_neighbours(line, 12, {}), 4);
+    const Buffer<float> across = local_step(nearest_neighbours(plane, 12, {}), 4);
+    EXPECT_NEAR(along[20], 0.1, 0.035);  // the estimated dimension of regular points on a line is 1.2
+    EXPECT_NEAR(across[20 * 40 + 20], 0.1, 0.01);
+}
+
 TEST(CloudGraph, BridgesAreAMinimalSpanningTree) {
     // Clusters of one point each: compares bridges with Prim's algorithm.
     const auto points = strewn(120, 2);

@@ -68,7 +68,7 @@ std::vector<std::uint32_t> cut_out(FittedTree& initial, std::vector<char> gone) 
 PointDistances cover_points(FittedTree& initial, const CloudInput& cloud, const Context& ctx) {
     Tolerance covered{InitialTreeOptions{}.cover, 1};
     if (!cloud.leaf.empty()) covered.metres = cloud.options.detail;
-    return assign_points(initial.tree, initial.samples, cloud.spacing, ctx, covered);
+    return assign_points(initial.tree, initial.samples, cloud.next, ctx, covered);
 }
 
 /// Removes nodes with points farther out than any plausible radius: clusters of leaves and bundles of twigs

@@ -336,7 +336,8 @@ CloudExtraction extract_from_cloud(const PointSet& set, const CloudOptions& opti
                                     .detail = choose_detail(cloud.points, options),
                                     .area_limit = options.area_limit};
     const Buffer<Vec3> outward = growth_directions(cloud.points, stems, rough.bases, ctx);
-    finalize_tree(rough.initial, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf},
+    const Buffer<float> next = local_step(cloud.near, kSpacingRank);
+    finalize_tree(rough.initial, {paths.graph.graph, rough.bases, paths.spacing, outward, wanted, leaf, next},
                   narrow_progress(ctx, kTreeBuilt, 1));
     cleaning.unreached =
         cloud.points.size() - cleaning.outliers - cleaning.understorey - rough.initial.reached;

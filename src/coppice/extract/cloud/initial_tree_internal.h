@@ -36,6 +36,7 @@ struct CloudInput {
     std::span<const Vec3> outward;   ///< unit direction of growth per point
     InitialTreeOptions options;
     std::span<const std::uint8_t> leaf = {};  ///< per point, whether it is on a leaf; empty without leaves
+    std::span<const float> next = {};  ///< [m] per point, distance to those next to it; for `finalize_tree`
 
     PathCost cost(std::span<const Vec3> positions) const { return {spacing, positions, outward}; }
 };

@@ -12,6 +12,22 @@ namespace {
 
 constexpr std::size_t kNeighboursGrain = 4096;
 
+/// Returns the dimension of the points around one from the distances to its neighbours, by maximum
+/// likelihood [Levina2004]; 2 if there are too few.
+double local_dimension(std::span<const float> distances) {
+    constexpr double kSurface = 2;
+    double sum = 0;
+    std::size_t count = 0;
+    for (const float d : distances) {
+        if (d <= 0) continue;
+        sum += std::log(double{distances.back()} / double{d});
+        ++count;
+    }
+    // The last neighbour adds nothing, and one more is the correction for the bias.
+    if (count < 3 || sum <= 0) return kSurface;
+    return std::clamp(static_cast<double>(count - 2) / sum, 1.0, kSurface);
+}
+
 /// Writes the row of point i without the point itself.
 void find_row(const KdTree& tree, Vec3 point, std::size_t i, std::vector<std::uint32_t>& index,
               std::vector<double>& squared, Neighbours& out) {
@@ -49,6 +65,15 @@ Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank) {
     const std::uint32_t last = std::min(rank, neighbours.count) - 1;
     for (std::size_t i = 0; i < n; ++i) spacing[i] = neighbours.distances(i)[last];
     return spacing;
+}
+
+Buffer<float> local_step(const Neighbours& neighbours, std::uint32_t rank) {
+    Buffer<float> step = local_spacing(neighbours, rank);
+    for (std::size_t i = 0; i < step.size(); ++i) {
+        const double d = local_dimension(neighbours.distances(i));
+        step[i] *= static_cast<float>(std::min(1.0, std::pow(2 * d / rank, 1 / d)));
+    }
+    return step;
 }
 
 }  // namespace coppice::extract_internal

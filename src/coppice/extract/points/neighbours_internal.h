@@ -31,4 +31,9 @@ Neighbours nearest_neighbours(std::span<const Vec3> points, std::uint32_t count,
 /// Returns the distance [m] of every point to its `rank`-th neighbour.
 Buffer<float> local_spacing(const Neighbours& neighbours, std::uint32_t rank);
 
+/// Returns the distance [m] of every point to those next to it, from the number of neighbours by distance:
+/// it grows with the power d of the distance, and a lattice of dimension d has 2 d points next to each.
+/// d is 1 along twigs and 2 on surfaces, and limited to that range.
+Buffer<float> local_step(const Neighbours& neighbours, std::uint32_t rank);
+
 }  // namespace coppice::extract_internal
