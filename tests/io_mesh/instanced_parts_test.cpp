@@ -12,6 +12,7 @@
 #include "coppice/io_mesh/reader.h"
 #include "coppice/io_mesh/writer.h"
 #include "coppice/system/file.h"
+#include "small_image.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -41,7 +42,7 @@ class InstancedPartsFile : public test::FolderTest {
         prototypes_[2].mesh.positions = {{-1, 0, 0}, {1, 0, 0}, {0, 2, 0}};
         prototypes_[2].mesh.triangles = {{0, 1, 2}};
         const auto image = folder_ / "leaf.png";
-        write_file(image, std::string("\x89PNG\r\n\x1a\nIEND"));
+        write_file(image, small_image());
         materials_.push_back({.name = "leaf", .color = image, .cut_out = true, .double_sided = true});
         materials_.push_back({.name = "bud", .base_color = {0.25f, 0.5f, 0.125f}});
         copies_.prototypes = {2, 0, 0};

@@ -17,6 +17,7 @@
 #include "coppice/mesh/topology.h"
 #include "coppice/system/file.h"
 #include "errors.h"
+#include "small_image.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -127,7 +128,7 @@ TEST_F(MeshWriter, GlbHasTangentsForNormalMapsOnly) {
     for (const Quad q : {Quad{0, 1, 2, 3}, Quad{1, 4, 5, 2}}) mesh.add_face(q);
     mesh.texture = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {1, 0}, {0, 0}, {0, 1}, {1, 1}};
     const fs::path image = folder_ / "image.png";
-    write_file(image, "\x89PNG IEND");
+    write_file(image, small_image());
     const auto with = [&](const MaterialFiles& material) {
         return written("a.glb", mesh, {.texture = mesh.texture, .materials = {material}});
     };
@@ -158,7 +159,7 @@ class MaterialWriter : public MeshWriter {
         for (std::uint32_t i = 0; i < 6; i += 2) mesh_.add_face(Quad{i, i + 2, i + 3, i + 1});
         for (int face = 0; face < 3; ++face)
             mesh_.texture.insert(mesh_.texture.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
-        write_file(folder_ / "image.png", "\x89PNG IEND");
+        write_file(folder_ / "image.png", small_image());
         for (const char* name : {"bark", "unused", "twig"})
             materials_.push_back({.name = name, .color = folder_ / "image.png"});
     }
@@ -178,11 +179,25 @@ class MaterialWriter : public MeshWriter {
     std::vector<std::uint32_t> of_faces_{0, 2, 0};
 };
 
-TEST_F(MaterialWriter, GlbRefusesImagesThatEndEarly) {
-    for (const char* bytes : {"\x89PNG half", "\xff\xd8 half"}) {
+TEST_F(MaterialWriter, GlbRefusesImagesThatEndEarlyOrAreTooLarge) {
+    std::string half = small_image(), large = small_image(), empty = small_image();
+    half.resize(half.size() - 4);
+    large[17] = 1;  // the width plus 65,536
+    empty[19] = 0;
+    const std::string jpeg("\xff\xd8\xff\xe0\0\4..\xff\xc0\0\x11\x08\0\x10\0\x10", 17);
+    const std::string end = "\xff\xd9";
+    for (const std::string& bytes : {half, large, empty, jpeg, "\xff\xd8 half" + end, std::string("text")}) {
         write_file(folder_ / "image.png", bytes);
         EXPECT_THROW(write_mesh(folder_ / "a.glb", mesh_, options()), InvalidInput);
         EXPECT_FALSE(std::filesystem::exists(folder_ / "a.glb"));
+        write_file(folder_ / "b_color.png", bytes);
+        EXPECT_THROW(find_material(folder_ / "b"), InvalidInput);
+    }
+    write_file(folder_ / "image.png", jpeg + end);
+    EXPECT_NO_THROW(write_mesh(folder_ / "a.glb", mesh_, options()));
+    for (const std::string& bytes : {small_image(), jpeg + end}) {
+        write_file(folder_ / "b_color.png", bytes);
+        EXPECT_NO_THROW(find_material(folder_ / "b"));
     }
 }
 
@@ -547,7 +562,7 @@ TEST_F(MeshWriter, TangentsDoNotDependOnThreads) {
         for (const std::uint32_t v : q) texture.push_back({sign * mesh.positions[v].x, mesh.positions[v].y});
     }
     const fs::path image = folder_ / "image.png";
-    write_file(image, "\x89PNG IEND");
+    write_file(image, small_image());
     const auto with = [&](unsigned threads) {
         write_mesh(folder_ / "a.glb", mesh,
                    {.texture = texture, .materials = {{.color = image, .normal = image}}},

@@ -7,6 +7,7 @@
 
 #include "coppice/base/error.h"
 #include "coppice/system/file.h"
+#include "small_image.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -79,7 +80,7 @@ TEST_F(MotionWriterTest, TurnsTangentsWithTheSurface) {
     for (std::size_t f = 0; f < mesh.quads.size(); ++f)
         texture.insert(texture.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const MaterialFiles material{
-        .color = "c.png", .normal = "n.png", .bytes = {{"c.png", "\x89PNG IEND"}, {"n.png", "\x89PNG IEND"}}};
+        .color = "c.png", .normal = "n.png", .bytes = {{"c.png", small_image()}, {"n.png", small_image()}}};
     const auto path = folder_ / "m.glb";
     MotionWriter writer(path, mesh, 2, 10, {{texture, {}}, {material}, {}});
     Buffer<Vec3> turned = mesh.positions;  // by 90 degrees about z

@@ -12,6 +12,7 @@
 #include "coppice/system/file.h"
 #include "coppice/system/folder_sandbox.h"
 #include "errors.h"
+#include "small_image.h"
 #include "temporary_folder.h"
 
 namespace coppice {
@@ -269,7 +270,7 @@ TEST_F(SceneMaterials, RespectTheMemoryLimit) {
 TEST_F(SceneMaterials, StayInTheSandbox) {
     std::filesystem::create_directory(folder_ / "inner");
     write_file(folder_ / "secret.png", "secret");
-    write_file(folder_ / "inner/a_color.png", "image");
+    write_file(folder_ / "inner/a_color.png", small_image());
     std::filesystem::create_symlink(folder_ / "secret.png", folder_ / "inner/a_normal.png");
     SceneSettings settings;
     settings.sandbox = std::make_shared<FolderSandbox>(folder_ / "inner");

@@ -1,14 +1,11 @@
 #include "coppice/io_mesh/glb_materials_internal.h"
 
-#include "coppice/base/error.h"
+#include "coppice/io_mesh/image_file_internal.h"
 
 namespace coppice::io_internal {
 namespace {
 
 using nlohmann::json;
-
-// Bytes of an image, up to a size that a reader could still decode.
-constexpr std::uint64_t kMaxImageBytes = std::uint64_t{256} << 20;
 
 json& get_array(json& file, const char* key) {
     json& out = file[key];
@@ -77,13 +74,8 @@ void GlbMaterials::add_image(const MaterialFiles& files, const std::filesystem::
     const auto [known, is_new] = index_of_image_.try_emplace(path, images_.size());
     if (!is_new) return;
     const auto made = files.bytes.find(path);
-    Image image{made != files.bytes.end() ? made->second : read_file(path, kMaxImageBytes), "image/png"};
-    const bool is_jpeg = image.bytes.starts_with("\xff\xd8");
-    if (is_jpeg) image.type = "image/jpeg";
-    if (!is_jpeg && !image.bytes.starts_with("\x89PNG"))
-        throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
-    if (image.bytes.rfind(is_jpeg ? "\xff\xd9" : "IEND") == std::string::npos)
-        throw InvalidInput(path.string() + " ends before its image does; save the image again");
+    Image image{made != files.bytes.end() ? made->second : read_image(path), "image/png"};
+    if (check_image(image.bytes, path) == ImageFormat::jpeg) image.type = "image/jpeg";
     image.view = layout.add_bytes(image.bytes.size());
     images_.push_back(std::move(image));
 }

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "coppice/base/error.h"
+#include "coppice/io_mesh/image_file_internal.h"
 #include "coppice/io_mesh/material_internal.h"
 #include "coppice/system/file.h"
 
@@ -163,6 +164,9 @@ MaterialFiles find_material(const std::filesystem::path& prefix) {
     if (out.color.empty())
         throw IoError(fmt::format("there is no file {}_color.png; write the images by coppice texture",
                                   prefix.string()));
+    for (const auto* image : {&out.color, &out.normal, &out.roughness, &out.occlusion, &out.packed}) {
+        if (!image->empty()) io_internal::read_image(*image);
+    }
     return out;
 }
 

@@ -38,7 +38,8 @@ void make_name_unique(MaterialFiles& material, std::span<const MaterialFiles> ot
 
 /// Returns the images with names that begin with `prefix`, as written by `coppice texture`: PREFIX_color.png,
 /// and, where they exist, PREFIX_normal.png, PREFIX_roughness.png, PREFIX_occlusion.png and PREFIX_orm.png.
-/// The name of the material is the last part of the prefix. Throws IoError if there is no colour.
+/// The name of the material is the last part of the prefix. Throws IoError if there is no colour or a file
+/// cannot be read, InvalidInput if an image is truncated or has a side of more than 32,768 pixels.
 MaterialFiles find_material(const std::filesystem::path& prefix);
 
 }  // namespace coppice
