@@ -324,7 +324,7 @@ std::vector<Box3> find_turned(const TriMesh& mesh, std::span<const GridCorner> c
     return out;
 }
 
-// Makes triangles of the size of quads, whose corners are those of grids around the axes. Where triangles are
+// Makes triangles of the size of quads, with corners on grids around the axes. Where triangles are
 // turned or intersect, grids do not fit together, and only short edges are collapsed. If that intersects too,
 // triangles keep their size, so that planar quads of its triangles never intersect.
 void coarsen(Marched& marched, const PatchSkeleton& patch_skeleton, float edge, const Context& ctx) {
