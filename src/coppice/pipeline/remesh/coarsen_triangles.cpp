@@ -102,7 +102,7 @@ class Coarsening {
     float spacing(std::uint32_t a, std::uint32_t b) const {
         return std::min(corners_[a].spacing, corners_[b].spacing);
     }
-    // [m] Returns the distance of a vertex from the corner of its lattice.
+    // [m] Returns the distance of a vertex from its corner.
     float off_corner(std::uint32_t v) const { return distance(x_[v], corners_[v].position); }
 
     // Queues an edge by its length; returns its queue.
