@@ -93,6 +93,7 @@ add("photo.png", picture([sky * 400] * 320))
 add("bark_color.png", picture([b"\xc0\x20\x10" * 400] * 320))
 add("bark_normal.png", picture([b"\x80\x80\xff" * 400] * 320))
 add("other_color.png", b"no image\n")
+add("moss_color.png", picture([b"\x20\x80\x20" * 400] * 320))
 add("twig_color.png", picture([b"\x80\x80\x80" * 400] * 320))
 add("slots.obj", "v 0 -1 0\nv 0 1 0\nv 0 1 1\nv 0 -1 1\nv 0 1 2\nv 0 -1 2\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl bark\nf 1/1 2/2 3/3 4/4\nusemtl twig\nf 4/1 3/2 5/3 6/4\n")
 add("attributes.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float order\nproperty float radius\nproperty float distance\n"

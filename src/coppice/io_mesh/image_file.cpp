@@ -48,7 +48,7 @@ std::optional<ImageSize> find_jpeg_size(std::string_view bytes) {
 ImageFormat check_image(std::string_view bytes, const std::filesystem::path& path) {
     const bool is_jpeg = bytes.starts_with("\xff\xd8");
     if (!is_jpeg && !bytes.starts_with("\x89PNG"))
-        throw InvalidInput(path.string() + " is neither a PNG nor a JPEG image");
+        throw InvalidInput(path.string() + ": this is neither a PNG nor a JPEG image");
     const auto size = is_jpeg ? find_jpeg_size(bytes) : find_png_size(bytes);
     if (!size || bytes.rfind(is_jpeg ? "\xff\xd9" : "IEND") == std::string_view::npos)
         throw InvalidInput(path.string() + " ends before its image does; save the image again");
