@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "batch_run.h"
 #include "coppice/version.h"
 #include "figures.h"
 #include "outputs.h"
@@ -49,7 +50,7 @@ ExitCode run_words(coppice_task& task, std::span<const char* const> words) {
     }
     coppice::cli::check_outputs(request.given);
     coppice::cli::Run run(request.command->name, common, task);
-    const ExitCode code = request.command->run(run, request.given);
+    const ExitCode code = coppice::cli::run_request(run, request);
     task.report = coppice::cli::figures_json(run.report());
     return code;
 }

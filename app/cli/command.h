@@ -2,9 +2,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "coppice/scene/file_kind.h"
 #include "options.h"
 #include "run.h"
 
@@ -20,6 +23,17 @@ enum ExitCode : int {
     kInterrupted = 130
 };
 
+struct Command;
+
+/// Declares that a command with one input file and one output file can process many files, each by itself;
+/// see run_batch().
+struct ManyFiles {
+    Command (*make)();            ///< creates the command again, with values of its own
+    std::string_view input;       ///< name of the option with the input file
+    std::string_view extension;   ///< extension of the outputs; empty: --name is required
+    std::vector<FileKind> kinds;  ///< kinds of files that are used of a folder
+};
+
 /// A subcommand. `run` does the work after the options are parsed, and owns the values into which they are
 /// stored. Throws the exceptions of the library, and UsageError.
 struct Command {
@@ -27,6 +41,7 @@ struct Command {
     std::string help;  ///< one sentence
     OptionList options;
     std::function<ExitCode(Run&, const GivenOptions&)> run;
+    std::optional<ManyFiles> many = std::nullopt;  ///< set if the command can process many files
 };
 
 /// Returns the commands that need no terminal, in the order of the help.

@@ -18,7 +18,10 @@ std::vector<Command> batch_commands() {
 }
 
 std::vector<Command> with_common_options(std::vector<Command> commands, CommonFlags& common) {
-    for (Command& command : commands) add_common_options(command.options, common);
+    for (Command& command : commands) {
+        if (command.many) add_batch_options(command.options, common.batch);
+        add_common_options(command.options, common);
+    }
     return commands;
 }
 

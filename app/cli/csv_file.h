@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "coppice/system/file.h"
 #include "figures.h"
@@ -12,6 +13,9 @@ namespace coppice::cli {
 /// required (RFC 4180); empty for unknown
 /// values.
 std::string to_csv_cell(const Json& figure);
+
+/// Returns rows with different names as CSV: the columns are in order of their first row, `error` last.
+std::string to_csv(const std::vector<Json>& rows);
 
 /// A table that is written row by row; the file is complete or not written at all.
 class CsvFile {

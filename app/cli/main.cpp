@@ -1,3 +1,4 @@
+#include "batch_run.h"
 #include "catch_errors.h"
 #include "command.h"
 #include "messages.h"
@@ -30,7 +31,7 @@ ExitCode run_command_line(std::span<const char* const> arguments, Signals& signa
     check_outputs(request.given);
     Terminal terminal(signals);
     Run run(request.command->name, common, terminal);
-    return request.command->run(run, request.given);
+    return run_request(run, request);
 }
 
 ExitCode run_program(std::span<const char* const> arguments) {

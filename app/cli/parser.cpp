@@ -114,6 +114,14 @@ void check_extras(const CLI::App& app, const std::string& name) {
     throw UsageError(fmt::format("{} does not accept {}", name, quote(extras.front())));
 }
 
+/// Returns the positional words that follow those of the options.
+std::vector<std::filesystem::path> further_inputs(const CLI::App& app) {
+    std::vector<std::filesystem::path> inputs;
+    for (const std::string& word : app.remaining())
+        if (!word.starts_with("-")) inputs.emplace_back(word);
+    return inputs;
+}
+
 /// Returns the first word that is not a flag: `coppice --help mesh` is the same as `coppice mesh --help`.
 std::string find_topic(std::span<const char* const> arguments) {
     for (const char* word : arguments.subspan(1)) {
@@ -213,8 +221,10 @@ Parser::Request Parser::parse(std::span<const char* const> arguments) {
     check_extras(app, "coppice");
     if (command == nullptr) throw UsageError("no command given; coppice help lists them");
     const CLI::App& parsed = *app.get_subcommand(command->name);
-    check_extras(parsed, "coppice " + command->name);
-    return {.command = command, .given = given_options(parsed, *command)};
+    std::vector<std::filesystem::path> further;
+    if (command->many) further = further_inputs(parsed);
+    if (further.size() != parsed.remaining().size()) check_extras(parsed, "coppice " + command->name);
+    return {.command = command, .given = given_options(parsed, *command), .further = std::move(further)};
 }
 
 }  // namespace coppice::cli

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "command.h"
 
@@ -22,6 +24,7 @@ class Parser {
     struct Request {
         const Command* command = nullptr;
         GivenOptions given;
+        std::vector<std::filesystem::path> further = {};  ///< further inputs of a command with `many`
         std::string text;
     };
     /// Throws UsageError with the most similar name for unknown words.

@@ -31,6 +31,20 @@ double rounded(double seconds) { return std::round(seconds * 1e6) / 1e6; }
 
 }  // namespace
 
+void add_batch_options(OptionList& options, BatchFlags& flags) {
+    const std::string group = kManyFilesGroup;
+    options.file(
+        "--name", "TEMPLATE", flags.name,
+        "Names of the outputs of many files: {stem} is the name of the input without extension, {file} "
+        "with it, {folder} the name of its folder, {number} its place in the list.",
+        {.group = group, .common = false});
+    options.flag("--resume", flags.resume,
+                 "Process only files with missing results, or with changed content or options.",
+                 {.group = group, .common = false});
+    options.flag("--dry-run", flags.dry_run, "List the outputs without writing them.",
+                 {.group = group, .common = false});
+}
+
 void add_common_options(OptionList& options, CommonFlags& flags) {
     const std::string group = "Running";
     options.value({kThreads, &flags.threads}, group);
@@ -58,6 +72,11 @@ int Run::max_memory(int otherwise) {
     const int most = flags_.max_memory != 0 ? flags_.max_memory : otherwise;
     host_.limit_memory(most, threads_of_machine());
     return most;
+}
+
+unsigned Run::threads() const {
+    return flags_.threads == 0 ? threads_of_machine()
+                               : std::min(static_cast<unsigned>(flags_.threads), threads_of_machine());
 }
 
 Context Run::context(const std::string& stage) {

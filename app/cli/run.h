@@ -15,12 +15,23 @@
 
 namespace coppice::cli {
 
+/// Options of commands that process many files.
+struct BatchFlags {
+    std::filesystem::path name;  ///< template of the names of outputs; empty: that of the command
+    bool resume = false;
+    bool dry_run = false;
+};
+/// Heading of these options.
+inline constexpr const char* kManyFilesGroup = "Many files";
+void add_batch_options(OptionList& options, BatchFlags& flags);
+
 /// Options of every command.
 struct CommonFlags {
     int threads = 0;
     int max_memory = 0;  ///< [MiB] 0 = all memory of the machine, or the default of scenes
     std::filesystem::path report;
     bool quiet = false;
+    BatchFlags batch;
 };
 void add_common_options(OptionList& options, CommonFlags& flags);
 
@@ -41,6 +52,9 @@ class Run {
     /// Sets the item that the following stages process, for the progress: "3 of 20, oak.las".
     void set_subject(std::string subject) { subject_ = std::move(subject); }
 
+    /// Returns the number of threads that the command may use.
+    unsigned threads() const;
+
     /// Adds a stage that was timed elsewhere.
     void add_stage(const std::string& name, double seconds) { stages_.emplace_back(name, seconds); }
     /// Adds the stages of a result, each with this prefix.
@@ -58,13 +72,15 @@ class Run {
     /// kMinMemory; returns the limit.
     int max_memory(int otherwise);
 
-    Host& host() const { return host_; }  ///< surroundings of the command
+    const CommonFlags& flags() const { return flags_; }  ///< options that all commands share
+    Host& host() const { return host_; }                 ///< surroundings of the command
     /// Outputs data. Throws IoError on failure.
     void print(std::string_view text) { host_.print(text); }
     /// Outputs a message of one line.
     void say(const std::string& message) { host_.say(message); }
 
     Json& counts() { return counts_; }
+    const Json& warnings() const { return warnings_; }
     Json& repairs() { return repairs_; }
     /// Adds the numbers of nodes and trees of a skeleton to the counts.
     void count_skeleton(const Skeleton& skeleton) {

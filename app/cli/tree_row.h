@@ -15,6 +15,8 @@ namespace coppice::cli {
 
 /// The table of the trees that `coppice extract` writes to a folder.
 inline constexpr const char* kTreeTable = "trees.csv";
+/// Name of the journal of a batch.
+inline constexpr const char* kBatchJournal = "journal.sqlite";
 
 /// Columns of a table of trees.
 struct TreeColumns {

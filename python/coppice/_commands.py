@@ -192,7 +192,7 @@ def _unknown(command: Command, name: str) -> UsageError:
     return UsageError("%s() has no argument %s%s" % (command.name, name, hint))
 
 
-def call(name: str, *inputs: Any, progress: Progress = None, **options: Any) -> Any:
+def call(name: str, /, *inputs: Any, progress: Progress = None, **options: Any) -> Any:
     """Runs a command: call("mesh", tree, levels=2) is the same as mesh(tree, levels=2)."""
     command = commands().get(name)
     if command is None:

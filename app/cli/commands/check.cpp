@@ -5,6 +5,7 @@
 #include "coppice/measure/match/cloud_distance.h"
 #include "coppice/measure/surface_report.h"
 #include "coppice/render/colors.h"
+#include "coppice/system/file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -16,7 +17,7 @@ namespace {
 constexpr const char* kCloudGroup = "Measuring points";
 
 struct CheckFlags {
-    std::filesystem::path mesh, skeleton, cloud, distances;
+    std::filesystem::path mesh, output, skeleton, cloud, distances;
     bool json = false;
     CheckOptions check;
     CloudDistanceOptions cloud_options;
@@ -138,6 +139,7 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
         throw UsageError("name the mesh: coppice check MESH [--skeleton SKELETON] [--cloud POINTS]");
     check_cloud_options(given, flags);
     if (!flags.distances.empty()) check_cloud_output(flags.distances);
+    if (!flags.output.empty()) check_output_folder(flags.output);
     const PolygonMesh mesh = load_mesh(run, flags.mesh, flags.read.up);
     std::optional<SkeletonFile> skeleton;
     if (!flags.skeleton.empty()) skeleton = load_skeleton(run, flags.skeleton, flags.read);
@@ -152,6 +154,7 @@ ExitCode check(Run& run, const GivenOptions& given, const CheckFlags& flags) {
     figures.update(compute_figures(report));
     if (cloud) figures.update(compute_figures(measure_cloud(run, mesh, std::move(*cloud), nodes, flags)));
     run.print(flags.json ? figures_json(figures) : figures_text(figures, "unknown: crossings not checked"));
+    if (!flags.output.empty()) write_file(flags.output, figures_json(figures));
     run.counts()["figures"] = figures;
     run.finish(fmt::format("{}: {} faces, {}", flags.mesh.string(), grouped(mesh.face_count()),
                            format_verdict(report)));
@@ -169,6 +172,8 @@ Command check_command() {
                  "Skeleton to compare the radii and the volume with.");
     options.file("--cloud", "POINTS", flags->cloud,
                  "Points to compare the mesh with, in both directions (.ply, .las, .laz, .xyz, .pcd).");
+    options.output("-o,--output", "JSON", flags->output, "Also write the figures to this file as JSON.",
+                   {.common = false});
     options.flag("--json", flags->json, "Print JSON instead of a table.");
     options.fields(flags->check, "Checks");
     options.output("--distances", "PLY", flags->distances,
@@ -180,7 +185,8 @@ Command check_command() {
     return {"check",
             "Check a mesh: watertight, manifold, self-intersections, face shape, radii, volume, branches and "
             "tips; exit code 1 reports a defect.",
-            options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); }};
+            options, [flags](Run& run, const GivenOptions& given) { return check(run, given, *flags); },
+            ManyFiles{check_command, "mesh", ".json", {FileKind::mesh}}};
 }
 
 }  // namespace coppice::cli

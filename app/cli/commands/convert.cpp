@@ -95,7 +95,8 @@ Command convert_command() {
                    {.names = {{"format", "--output-format"}}, .without = {"units", "up"}});
     add_mesh_write_options(options, flags->mesh);
     return {"convert", "Convert a skeleton, mesh or point file to another format of the same kind.", options,
-            [flags](Run& run, const GivenOptions&) { return convert(run, *flags); }};
+            [flags](Run& run, const GivenOptions&) { return convert(run, *flags); },
+            ManyFiles{convert_command, "input", "", {FileKind::skeleton, FileKind::mesh, FileKind::points}}};
 }
 
 }  // namespace coppice::cli

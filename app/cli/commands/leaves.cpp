@@ -170,7 +170,8 @@ Command leaves_command() {
     add_mesh_write_options(options, flags->write);
     options.fields(flags->read, "Reading the skeleton", {.common = MemberNames{}});
     return {"leaves", "Make the surface of a skeleton with leaves on its shoots.", options,
-            [flags](Run& run, const GivenOptions& given) { return add_leaves(run, *flags, given); }};
+            [flags](Run& run, const GivenOptions& given) { return add_leaves(run, *flags, given); },
+            ManyFiles{leaves_command, "skeleton", ".glb", {FileKind::skeleton}}};
 }
 
 }  // namespace coppice::cli

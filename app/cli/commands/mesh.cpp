@@ -348,7 +348,8 @@ Command mesh_command() {
     options.fields(flags->read, "Reading the skeleton");
     add_mesh_write_options(options, flags->write);
     return {"mesh", "Turn a skeleton with radii into one closed surface of quads or triangles.", options,
-            [flags](Run& run, const GivenOptions& given) { return mesh(run, given, *flags); }};
+            [flags](Run& run, const GivenOptions& given) { return mesh(run, given, *flags); },
+            ManyFiles{mesh_command, "skeleton", ".ply", {FileKind::skeleton}}};
 }
 
 }  // namespace coppice::cli

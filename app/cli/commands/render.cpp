@@ -345,8 +345,10 @@ Command render_command() {
     options.fields(flags->render, "Picture");
     options.fields(flags->read, "Reading a skeleton", {.common = MemberNames{}});
     options.fields(flags->read_points, kReadPointsGroup);
-    return {"render", "Draw meshes, points and skeletons with sun and sky light.", options,
-            [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); }};
+    return {
+        "render", "Draw meshes, points and skeletons with sun and sky light.", options,
+        [flags](Run& run, const GivenOptions&) { return render_file(run, *flags); },
+        ManyFiles{render_command, "inputs", ".png", {FileKind::skeleton, FileKind::mesh, FileKind::points}}};
 }
 
 }  // namespace coppice::cli

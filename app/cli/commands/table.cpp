@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "architecture_options.h"
 #include "command.h"
@@ -18,6 +17,7 @@
 #include "coppice/skeleton/architecture.h"
 #include "coppice/skeleton/measure.h"
 #include "coppice/system/file.h"
+#include "csv_file.h"
 #include "figures.h"
 #include "files.h"
 #include "options.h"
@@ -227,26 +227,6 @@ std::vector<Json> make_rows(Run& run, TreeTables& parts, const TableFlags& flags
         }
     }
     return rows;
-}
-
-/// Returns the columns in order of their first row, `error` last.
-std::string to_csv(const std::vector<Json>& rows) {
-    std::vector<std::string> columns;
-    std::map<std::string, std::size_t> place;
-    const auto add_column = [&](const std::string& name) {
-        if (place.emplace(name, columns.size()).second) columns.push_back(name);
-    };
-    for (const Json& row : rows)
-        for (const auto& [name, figure] : row.items())
-            if (name != "error") add_column(name);
-    add_column("error");
-    std::string out = fmt::format("{}\n", fmt::join(columns, ","));
-    for (const Json& row : rows) {
-        std::vector<std::string> cells(columns.size());
-        for (const auto& [name, figure] : row.items()) cells[place[name]] = to_csv_cell(figure);
-        out += fmt::format("{}\n", fmt::join(cells, ","));
-    }
-    return out;
 }
 
 void write_rows(Run& run, const fs::path& path, const std::vector<Json>& rows) {

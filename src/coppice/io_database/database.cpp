@@ -25,18 +25,18 @@ int waits_on(void* context, int waits) {
 
 int stops(void* context) { return static_cast<const Context*>(context)->stop.stop_requested() ? 1 : 0; }
 
-std::string_view reason(int code) {
+std::string reason(int code, std::string_view content) {
     switch (code & 0xff) {
         case SQLITE_NOTADB:
-            return "this is not a library of trees";
+            return fmt::format("this is not a {}", content);
         case SQLITE_CORRUPT:
-            return "the library is damaged; create a new one from its trees";
+            return fmt::format("the {} is damaged; create a new one", content);
         case SQLITE_BUSY:
         case SQLITE_LOCKED:
             return "another program has been writing to it for a minute; try again later";
         case SQLITE_READONLY:
         case SQLITE_PERM:
-            return "the library is not writable; check its permissions and those of its folder";
+            return "the file is not writable; check its permissions and those of its folder";
         case SQLITE_FULL:
             return "the disk is full";
         case SQLITE_CANTOPEN:
@@ -48,13 +48,13 @@ std::string_view reason(int code) {
 
 }  // namespace
 
-Sqlite::Sqlite(std::filesystem::path path, int flags, const Context& ctx)
-    : path_(std::move(path)), ctx_(ctx) {
+Sqlite::Sqlite(std::filesystem::path path, int flags, const Context& ctx, std::string_view content)
+    : path_(std::move(path)), content_(content), ctx_(ctx) {
     const int code = sqlite3_open_v2(path_.c_str(), &handle_, flags | SQLITE_OPEN_EXRESCODE, nullptr);
     if (handle_ == nullptr) throw std::bad_alloc();
     if (code != SQLITE_OK) {
         sqlite3_close(handle_);
-        throw IoError(fmt::format("{}: {}", path_.string(), reason(SQLITE_CANTOPEN)));
+        throw IoError(fmt::format("{}: {}", path_.string(), reason(SQLITE_CANTOPEN, content_)));
     }
     sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kLargestValue);
     // Libraries are untrusted: views and triggers in them must not have side effects.
@@ -75,7 +75,7 @@ void Sqlite::fail(int code) const {
     const int error = errno;  // errno of the failed system call, if any
     ctx_.throw_if_cancelled();
     if ((code & 0xff) == SQLITE_NOMEM) throw std::bad_alloc();
-    const std::string_view known = reason(code);
+    const std::string known = reason(code, content_);
     if (!known.empty()) fail(known);
     fail(code == SQLITE_IOERR_WRITE ? file_error_text(error) : std::string(sqlite3_errmsg(handle_)));
 }

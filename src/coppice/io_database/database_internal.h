@@ -17,8 +17,9 @@ namespace coppice::io_internal {
 /// A connection to an SQLite file. Errors are IoErrors that name the file and the repair.
 class Sqlite {
   public:
-    /// `flags` are those of sqlite3_open_v2.
-    Sqlite(std::filesystem::path path, int flags, const Context& ctx);
+    /// `flags` are those of sqlite3_open_v2; `content` is a literal that names the content of the file.
+    Sqlite(std::filesystem::path path, int flags, const Context& ctx,
+           std::string_view content = "library of trees");
     ~Sqlite();
     Sqlite(const Sqlite&) = delete;
     Sqlite& operator=(const Sqlite&) = delete;
@@ -32,6 +33,7 @@ class Sqlite {
 
   private:
     std::filesystem::path path_;
+    std::string_view content_;
     const Context ctx_;
     sqlite3* handle_ = nullptr;
 };
