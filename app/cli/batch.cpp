@@ -16,15 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the kind of a file, or nullopt where it cannot be determined before the file is read.
-std::optional<FileKind> kind_before(const fs::path& path) {
-    try {
-        return kind_of_file(path);
-    } catch (const Error&) {
-        return std::nullopt;
-    }
-}
-
 /// Of a folder only meshes and points are used, for plots only points; files that are named are always used.
 void add_files(Batch& batch, const std::vector<fs::path>& inputs) {
     const auto is_wanted = [&](const std::optional<FileKind>& kind) {
@@ -34,7 +25,7 @@ void add_files(Batch& batch, const std::vector<fs::path>& inputs) {
         std::error_code error;
         const bool within = fs::is_directory(input, error);
         for (const fs::path& path : files_within({input})) {
-            const auto kind = kind_before(path);
+            const auto kind = find_kind(path);
             if (within && !is_wanted(kind)) {
                 ++batch.passed_over;
                 continue;
@@ -87,11 +78,7 @@ Batch plan_batch(const std::vector<fs::path>& inputs, const ExtractOutputs& outp
 
 BatchTable::BatchTable(const Batch& batch)
     : columns_(batch.columns), table_([&] {
-          std::error_code error;
-          fs::create_directory(batch.folder, error);
-          if (error)
-              throw IoError(
-                  fmt::format("cannot create the folder '{}': {}", batch.folder.string(), error.message()));
+          create_folder(batch.folder);
           return batch.folder / kTreeTable;
       }()) {}
 

@@ -51,12 +51,8 @@ std::vector<fs::path> read_list(const fs::path& list) {
 
 bool is_read_by(const ManyFiles& many, const fs::path& path) {
     if (path.filename() == kTreeTable || path.filename() == kBatchJournal) return false;
-    try {
-        const auto kind = kind_of_file(path);
-        return kind && std::ranges::find(many.kinds, *kind) != many.kinds.end();
-    } catch (const Error&) {
-        return false;
-    }
+    const auto kind = find_kind(path);
+    return kind && std::ranges::find(many.kinds, *kind) != many.kinds.end();
 }
 
 void add_inputs(FileBatch& batch, const ManyFiles& many, const fs::path& named) {

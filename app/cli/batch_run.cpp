@@ -19,6 +19,7 @@
 #include "coppice/io_database/batch_journal.h"
 #include "coppice/version.h"
 #include "csv_file.h"
+#include "files.h"
 #include "tree_row.h"
 
 namespace coppice::cli {
@@ -372,7 +373,7 @@ ExitCode BatchRun::finish() {
 }
 
 ExitCode BatchRun::process() {
-    fs::create_directory(batch_.folder);
+    create_folder(batch_.folder);
     open_journal();
     if (!run_.flags().batch.resume) {
         std::vector<std::string> names;

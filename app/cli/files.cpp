@@ -133,6 +133,21 @@ std::vector<std::filesystem::path> files_within(const std::vector<std::filesyste
     return out;
 }
 
+std::optional<FileKind> find_kind(const std::filesystem::path& path) {
+    try {
+        return kind_of_file(path);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+void create_folder(const std::filesystem::path& path) {
+    std::error_code error;
+    std::filesystem::create_directory(path, error);
+    if (error)
+        throw IoError(fmt::format("cannot create the folder '{}': {}", path.string(), error.message()));
+}
+
 std::string_view with_article(FileKind kind) {
     return kind == FileKind::skeleton ? "a skeleton"
            : kind == FileKind::mesh   ? "a mesh"

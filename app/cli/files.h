@@ -42,6 +42,12 @@ std::filesystem::path resolved_path(const std::filesystem::path& path);
 /// Returns the named files, and the files in the named folders, in order of their names.
 std::vector<std::filesystem::path> files_within(const std::vector<std::filesystem::path>& named);
 
+/// Returns the kind of a file, or nullopt where it cannot be determined before the file is read.
+std::optional<FileKind> find_kind(const std::filesystem::path& path);
+
+/// Creates a folder unless it exists; its parent must exist. Throws IoError.
+void create_folder(const std::filesystem::path& path);
+
 /// "a skeleton", "a mesh", "a cloud of points"
 std::string_view with_article(FileKind kind);
 

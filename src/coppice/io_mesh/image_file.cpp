@@ -59,10 +59,6 @@ ImageFormat check_image(std::string_view bytes, const std::filesystem::path& pat
     return is_jpeg ? ImageFormat::jpeg : ImageFormat::png;
 }
 
-std::string read_image(const std::filesystem::path& path) {
-    std::string bytes = read_file(path, kMaxImageBytes);
-    check_image(bytes, path);
-    return bytes;
-}
+std::string read_image(const std::filesystem::path& path) { return read_file(path, kMaxImageBytes); }
 
 }  // namespace coppice::io_internal

@@ -15,8 +15,8 @@ enum class ImageFormat : std::uint8_t { png, jpeg };
 /// draws.
 ImageFormat check_image(std::string_view bytes, const std::filesystem::path& path);
 
-/// Returns the contents of a file with an image, of 256 MiB at most. Throws IoError if it cannot be read,
-/// InvalidInput as check_image() does.
+/// Returns the contents of a file with an image, of 256 MiB at most, for check_image(). Throws IoError if it
+/// cannot be read or is larger.
 std::string read_image(const std::filesystem::path& path);
 
 }  // namespace coppice::io_internal

@@ -165,7 +165,7 @@ MaterialFiles find_material(const std::filesystem::path& prefix) {
         throw IoError(fmt::format("there is no file {}_color.png; write the images by coppice texture",
                                   prefix.string()));
     for (const auto* image : {&out.color, &out.normal, &out.roughness, &out.occlusion, &out.packed}) {
-        if (!image->empty()) io_internal::read_image(*image);
+        if (!image->empty()) io_internal::check_image(io_internal::read_image(*image), *image);
     }
     return out;
 }
